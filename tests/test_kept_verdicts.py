@@ -13,6 +13,7 @@ from answers import Answers
 from test_kept_decisions import about, candidate, estimate, fitted, one_of
 
 import knobcam as kc
+from knobcam.fit.beyond import Beyond
 from knobcam.fit.diagnose import Diagnosis
 from knobcam.fit.forward import Forward, ForwardRun
 from knobcam.fit.rule import RULE
@@ -44,7 +45,7 @@ def whole(rng: np.random.Generator, before: Any = None, effects: tuple[str, ...]
     fit.log_fault = one_of(rng, *(None,) * 7, "tau is in another unit")
     fit.impossible = one_of(rng, *(None,) * 4, "inertia came out negative")
     words = "waves beyond the filter"
-    fit.beyond = one_of(rng, *(None,) * 4, SimpleNamespace(words=words, axis="position", share=0.3))
+    fit.beyond = one_of(rng, *(None,) * 4, Beyond(words, "position", 0.3))
     fit.prepared = [SimpleNamespace(core=SimpleNamespace(incoherent=one_of(rng, *(None,) * 6, [40.0])))]
     fit.wide = one_of(rng, None, None, "less than one detent")
     return fit
@@ -224,7 +225,7 @@ def test_of_what_any_diagnosis_says() -> None:
     words = ("missing", "part", "alike", "less", "implausible", "too_little", "unpaid", "chance", "untold")
     for at in range(60):
         fit = whole(rng)
-        fit.beyond = one_of(rng, None, "Not weighed: waves.")
+        fit.beyond = one_of(rng, None, Beyond("waves", "position", 0.3))
         fit.compare = lambda fit=fit: comparison(np.random.default_rng(1), fit)
         some = [candidate(rng, one, fit) for one in EFFECTS[: at % 5]]
         for number, one in enumerate(some):

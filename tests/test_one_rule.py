@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import knobcam as kc
+from knobcam.base.said import Said
 from knobcam.base.strict_json import as_json
 from knobcam.fit.rule import RULE
 from knobcam.show import results
@@ -82,7 +83,7 @@ def test_the_text_names_nobody_whom_learn_does_not(asked: dict[str, Any]) -> Non
     assert named == {one.effect for one in diagnosis.could_be}
     assert bool(named) == bool(learned.found)
     if not learned.found:
-        assert asked["page"]["verdict_text"].startswith(learned.headline)
+        assert Said.of(asked["page"]["verdict"]).startswith(learned.headline)
 
 
 def test_a_hum_accuses_nobody_and_a_hidden_effect_is_named(asked: dict[str, Any]) -> None:

@@ -134,7 +134,7 @@ def test_a_torque_that_is_ahead_keeps_its_time_where_a_person_overrules_that(tmp
         client.post("/api/open", json={"path": str(saved)})
         (first,) = client.get("/api/state").json()["captures"]
         told = {one["key"]: one for one in first["findings"]}["late_column:tau"]
-        assert not told["overruled"] and not told["note"] and told["stands"] == ""
+        assert not told["overruled"] and told["severity"] == "mended" and told["stands"] == ""
         asked = {"capture": first["id"], "finding": "late_column:tau", "on": True}
         assert client.post("/api/overrule", json=asked).is_success
         state = client.get("/api/state").json()

@@ -11,6 +11,7 @@ from brake import braked_knob
 from command import knobcam, refused
 
 import knobcam as kc
+from knobcam.workbench import surface
 
 COUPLINGS = ("backlash", "compliance")
 """Not looked for here: they take by far the longest."""
@@ -174,6 +175,13 @@ def test_what_is_left_over_two_variables_is_ranked_mapped_and_kept() -> None:
     assert len(found.plot().axes) == 4  # curve or time, map and its bar, front
     last = found.laws[-1]
     assert last.label == "a surface over theta and omega"
+    shown = surface.document(found)
+    assert shown is not None and shown["over"] == ("theta", "omega") and shown["laws"][-1] is not None
+    left, law = (np.array(one, dtype=float) for one in (shown["value"], shown["laws"][-1]))
+    both = np.isfinite(left) & np.isfinite(law)
+    assert left.shape == (len(shown["y"]), len(shown["x"])) and both.sum() > 0.8 * known.sum()
+    assert np.corrcoef(left[both], law[both])[0, 1] > 0.8
+    assert np.sqrt(np.mean((left - law)[both] ** 2)) < 0.6 * np.sqrt(np.mean(left[both] ** 2))
     assert last.rmse < last.rmse_heldout < 0.75 * found.beside.rmse
     taken = story.accept(found, len(found), "relief")
     # It says what little friction there is as well, which is then nought and may come out below.

@@ -12,7 +12,9 @@ import pytest
 from known import BASE, Known, climbed, comparison, estimate
 
 import knobcam as kc
+from knobcam.base.said import Said
 from knobcam.fit import forward, refit
+from knobcam.fit.beyond import Beyond
 from knobcam.fit.diagnose import Candidate, Diagnosis, absent, p_in_words
 from knobcam.fit.estimate import Z95
 from knobcam.fit.stiction import Stiction, _estimate
@@ -110,13 +112,8 @@ def test_the_verdict_is_one_sentence_and_never_says_more_than_is_known():
         )
 
 
-class Beyond(SimpleNamespace):
-    def __str__(self) -> str:
-        return f"Not weighed: {self.words}."
-
-
 def test_what_the_torque_filter_takes_off_is_no_failure_of_the_model_and_is_said():
-    beyond = Beyond(words="fast waves")
+    beyond = Beyond("fast waves", "position", 0.4)
     left = Unexplained("position", 0.4, "fast waves")
     nothing = learned((), left, beyond=beyond)
     assert nothing.headline == (
@@ -151,7 +148,7 @@ def candidate(effect: str, rmse: float, word: Any, p_value: float = 0.0004, **mo
     fit: Any = Known(rmse, (*BASE, effect), rmse_heldout=0.5)
     object.__setattr__(fit, "error_fall", 1.0 - rmse / 2.0)
     object.__setattr__(fit, "compare", lambda: SimpleNamespace(summary="The rest is chance.", complete=True))
-    return Candidate(effect, fit, p_value, 100.0, 2, word=word, said=str(word), **more)
+    return Candidate(effect, fit, p_value, 100.0, 2, word=word, said=Said(str(word)), **more)
 
 
 def diagnosed(*candidates: Candidate, **left_out: str) -> Diagnosis:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import knobcam as kc
+from knobcam.base.said import Said
 from knobcam.errors import InputError
 from knobcam.workbench import arrays, state
 from knobcam.workbench.bench import Bench
@@ -105,5 +106,5 @@ def test_what_is_said_to_be_missing_is_not_said_to_be_needless_once_it_is_added(
     session.weigh()
     session.add("unbalance")
     session.weigh()
-    said = state.document(session)["verdict_text"]
+    said = Said.of(state.document(session)["verdict"])
     assert said.startswith("unbalance found") and "too little" not in said

@@ -15,6 +15,7 @@ import pytest
 from workbench_server import served, wrong
 
 import knobcam as kc
+from knobcam.base.said import Said
 from knobcam.capture.motion_plan import MotionPlan
 from knobcam.workbench import designed as designing
 from knobcam.workbench.bench import Bench
@@ -62,10 +63,14 @@ def test_what_cannot_be_told_is_designed_for_recorded_from_the_same_knob_and_tol
     assert shown(client)["experiment"] is None
     post(client, "design", effects=RIVALS)
     found = shown(client)["experiment"]
-    assert found["rivals"] == RIVALS and found["separable"] and found["source"] == "the simulated knob4"
+    assert (
+        found["rivals"] == [[{"effect": one}] for one in RIVALS]
+        and found["separable"]
+        and found["source"] == "the simulated knob4"
+    )
     assert found["seconds"] <= found["limits"]["duration_s"] and found["capture"] is None
     (pair,) = found["pairs"]
-    assert pair["names"] == RIVALS and pair["d"] > 10.8 and pair["came"] is None
+    assert pair["names"] == found["rivals"] and pair["d"] > 10.8 and pair["came"] is None
     assert sum(step["seconds"] for step in found["steps"]) == pytest.approx(found["seconds"])
 
     motion = columns(client.get("/api/motion", params={"experiment": found["id"]}))
@@ -85,7 +90,7 @@ def test_what_cannot_be_told_is_designed_for_recorded_from_the_same_knob_and_tol
     assert "return_spring.k" in {one["name"] for one in state["params"]}
     told = state["experiment"]
     assert told["id"] == found["id"] and told["capture"] == "knob4, simulated designed motion"
-    assert told["verdict"].startswith("return_spring explains all captures best; unbalance leaves ")
+    assert Said.of(told["verdict"]).startswith("return_spring explains all captures best; unbalance leaves ")
     assert told["pairs"][0]["came"] > 100.0
 
     script = tmp_path / "session.py"
@@ -121,7 +126,7 @@ def test_who_is_best_while_something_else_is_missing_too_is_not_taken_for_right(
     post(client, "design", effects=RIVALS)
     post(client, "try", experiment=shown(client)["experiment"]["id"])
     state = shown(client)
-    assert "something else is missing too, so add one" in state["experiment"]["verdict"]
+    assert "something else is missing too, so add one" in Said.of(state["experiment"]["verdict"])
     assert not {"return_spring", "unbalance"} & set(bench.session.node.fit.model.effects)
     assert len(state["active"]) == 2
 
@@ -133,18 +138,25 @@ def test_where_nothing_is_tied_the_next_motion_is_for_what_is_known_least(
     post(client, "design", effects=[])
     found = shown(client)["experiment"]
     assert found["pairs"] == [] and len(found["rivals"]) == 1
-    assert "would be known" in found["headline"]
-    param = found["headline"].split()[0]
+    assert "would be known" in Said.of(found["headline"])
+    param = Said.of(found["headline"]).split()[0]
     before = bench.session.node.fit.params[param].se
     motion = columns(client.get("/api/motion", params={"experiment": found["id"]}))
     assert np.abs(motion["rival 0"]).max() > 0.0
     post(client, "try", experiment=found["id"])
     state = shown(client)
-    assert state["experiment"]["verdict"].startswith(f"{param} is known ")
+    assert Said.of(state["experiment"]["verdict"]).startswith(f"{param} is known ")
     assert len(state["active"]) == 2 and bench.session.node.fit.params[param].se < before
     design = bench.session.designed(found["id"])
     again = designing.Designed.again(json.loads(json.dumps(design.record())))
     assert again.known == design.known and again.verdict == design.verdict
+    assert again.verdict is not None and design.verdict is not None
+    assert again.verdict.parts == design.verdict.parts
+    # A journal of before has sentences as text.
+    told = design.record() | {"headline": str(design.headline), "names": list(map(str, design.names))}
+    del told["promise"]
+    older = designing.Designed.again(json.loads(json.dumps(told)))
+    assert older.headline == design.headline and older.names == design.names
 
 
 def test_an_emulated_rig_is_recorded_from_with_the_same_knob_in_it(
@@ -160,7 +172,7 @@ def test_an_emulated_rig_is_recorded_from_with_the_same_knob_in_it(
     log = Path(answer.json()["log"])
     assert log.name == "knob4-designed-1.kcwire" and bench.recorder.live.ended.wait(60.0)
     told = shown(client)["experiment"]
-    assert told["capture"] == log.name and told["verdict"].startswith("return_spring explains all")
+    assert told["capture"] == log.name and Said.of(told["verdict"]).startswith("return_spring explains all")
     motion = bench.session.designed(found["id"]).track()
     np.testing.assert_allclose(kc.load(log).theta[-len(motion.t) :], motion.theta, atol=1e-3)
     # By hand it is recorded for as long as a hand is led, and some more.

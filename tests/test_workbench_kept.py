@@ -60,7 +60,7 @@ def deeds(bench: Bench, path: Path) -> None:
 def shown(bench: Bench) -> dict:
     """What a person sees of a session, without what goes on in it."""
     document = dict(bench.document())
-    for name in ("revision", "job", "candidates", "verdict_text", "node", "left"):
+    for name in ("revision", "job", "candidates", "verdict", "node", "left"):
         document.pop(name)
     return document
 

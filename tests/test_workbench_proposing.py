@@ -13,6 +13,7 @@ from brake import braked_knob
 from workbench_server import served, wrong
 
 import knobcam as kc
+from knobcam.base.said import Said
 from knobcam.workbench.bench import Bench
 from knobcam.workbench.proposing import looked_for, taken
 from knobcam.workbench.script import script
@@ -50,7 +51,7 @@ def test_a_law_is_proposed_laid_over_the_residual_and_taken_under_a_name(
     first = told["proposed"][0]
     assert first["words"][-2:] == ["of omega", "no shorter law is as good"]
     assert first["rmse"] < 1.02 * told["noise_floor"] < 0.5 * told["rmse"]
-    assert "proposed, not found" in told["proposed_text"]
+    assert "proposed, not found" in Said.of(told["proposed_said"])
     assert any(value.startswith("w = 1.3") and "rad/s" in value for value in first["words"])
     there = {"node": told["node"], "capture": told["active"][0], "number": "1"}
     answer = asked.get("/api/law", params=there)
@@ -114,7 +115,7 @@ def test_the_script_of_a_session_makes_the_law_again(braked: kc.Capture, tmp_pat
 def test_where_an_effect_explains_as_much_none_is_proposed(opened: httpx.Client) -> None:
     opened.post("/api/propose", json={})
     told = state(opened)
-    assert told["proposed"] == [] and "No law is proposed" in told["proposed_text"]
+    assert told["proposed"] == [] and "No law is proposed" in Said.of(told["proposed_said"])
     wrong(opened.post("/api/accept", json={"number": 1}), 400, "no proposal has that number")
 
 

@@ -20,7 +20,8 @@ from command import knobcam, refused
 from workbench_server import HOSTILE, wrong
 
 import knobcam as kc
-from knobcam.base import pages
+from knobcam.base.pages_said import Along
+from knobcam.base.said import Said
 from knobcam.errors import InputError
 from knobcam.workbench.bench import Bench
 from knobcam.workbench.guard import HEADER
@@ -70,9 +71,10 @@ def test_candidates_come_by_themselves(opened: httpx.Client, bench: Bench):
     assert state["candidates"]["ready"]
     top = state["candidates"]["rows"][0]
     assert top["effect"] == "return_spring"
-    (place,) = state["places"]
-    assert f"worst at {place['words']}" in state["verdict_text"]
-    assert f"most along {place['axis']}" in state["verdict_text"] and place["low"] < place["high"]
+    (place,) = [part for part in state["verdict"] if "low" in part]
+    said = Said.of(state["verdict"])
+    assert f"worst at {Said.of([place])}" in said and place["low"] < place["high"]
+    assert f"most along {place['axis']}" in said and {"along": place["axis"]} in state["verdict"]
     query = {"node": state["node"], "capture": state["active"][0], "effect": top["effect"]}
     assert opened.get("/api/signature", params=query).status_code == 200
     wrong(opened.get("/api/signature", params=query | {"effect": HOSTILE}), 400, "is not weighed")
@@ -103,7 +105,7 @@ def test_captures_of_one_name_are_told_apart(tmp_path: Path):
 def test_where_the_error_lies_is_told_of_every_axis_that_samples_have(opened: httpx.Client):
     node = opened.get("/api/state").json()["node"]
     splits = opened.get("/api/splits", params={"node": node}).json()["splits"]
-    assert {one["axis"] for one in splits} == set(get_args(pages.Along))
+    assert {one["axis"] for one in splits} == set(get_args(Along))
     for one in splits:
         bins = zip(one["low"], one["high"], one["direction"], one["mean"], one["band"], strict=True)
         assert all(low <= high and side in (-1, 0, 1) and band > 0.0 for low, high, side, _, band in bins)

@@ -14,6 +14,7 @@ import told as told_as
 
 import knobcam as kc
 from knobcam.base import pages
+from knobcam.base.said import Said
 from knobcam.base.strict_json import as_json
 from knobcam.errors import InputError
 from knobcam.workbench import arrays, saving, state
@@ -309,11 +310,11 @@ def test_an_effect_that_takes_off_no_more_than_chance_was_not_missing(weighed: S
     weighed.fork("useless")
     weighed.add("return_spring")
     weighed.add("stribeck")
-    assert told(weighed)["verdict_text"].startswith(
+    assert Said.of(told(weighed)["verdict"]).startswith(
         "stribeck was added, and it took off too little to have been missing."
     )
     weighed.weigh()
-    verdict = told(weighed)["verdict_text"]
+    verdict = Said.of(told(weighed)["verdict"])
     assert "return_spring was missing" in verdict and "stribeck was missing" not in verdict
     assert saving.told(weighed, quiet).found == ("return_spring",)
     weighed.switch(next(iter(weighed.branches)))

@@ -1,4 +1,4 @@
-"""Prints `src/types.js`: the types of what Python tells the page, of `pages.py` and `pages_sources.py`.
+"""Prints `src/types.js`: the types of what Python tells the page, of the schema in `pages*.py`.
 
 Needs nothing but Python, so that the page is built where the package is not installed.
 """
@@ -6,16 +6,16 @@ Needs nothing but Python, so that the page is built where the package is not ins
 from __future__ import annotations
 
 import runpy
+import sys
 import textwrap
 import types
 from pathlib import Path
 from typing import Any, Literal, NotRequired, Union, get_args, get_origin, get_type_hints, is_typeddict
 
-BASE = Path(__file__).resolve().parents[1] / "python" / "knobcam" / "base"
-SCHEMA = (BASE / "pages.py", BASE / "pages_sources.py")
+PACKAGE = Path(__file__).resolve().parents[1] / "python" / "knobcam"
+SCHEMA = ("base.pages_said", "base.pages_left", "base.pages", "base.pages_sources")
 HEAD = """/**
- * What the server and the reports tell. Made by `python3 dev.py page` of pages.py and pages_sources.py
- * in python/knobcam/base.
+ * What the server and the reports tell. Made by `python3 dev.py page` of pages*.py in python/knobcam/base.
  */
 """
 PLAIN = {str: "string", int: "number", float: "number", bool: "boolean", type(None): "null"}
@@ -59,7 +59,10 @@ def typedef(shape: Any) -> str:
 
 def module() -> str:
     """Return the whole file."""
-    shapes = [one for file in SCHEMA for one in runpy.run_path(str(file)).values() if is_typeddict(one)]
+    sys.path.insert(0, str(PACKAGE))
+    found = (one for name in SCHEMA for one in runpy.run_module(name).items())
+    shapes = [one for one in dict(found).values() if is_typeddict(one)]
+    sys.path.remove(str(PACKAGE))
     return "\n".join([HEAD, *(f"{typedef(shape)}\n" for shape in shapes), "export {};\n"])
 
 

@@ -30,7 +30,7 @@ await page.waitForFunction(() => document.querySelector("#new-form [name=knob]")
 await picture("12-new-capture");
 await from("emulated").check();
 await control("hides").selectOption("chosen");
-await dialog.getByLabel(effect, { exact: true }).check();
+await dialog.locator(`[name=effects][value=${effect}]`).check();
 await control("folder").fill(logs);
 
 await control("duration_s").fill("-3");

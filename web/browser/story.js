@@ -42,7 +42,8 @@ assert.match(await page.locator("#chosen").textContent(), /samples chosen, .* of
 const marked = await page.evaluate(() => globalThis.knobcam.app.linked.brushed);
 assert.ok(Math.abs(marked.x[0] - Number(low)) < 1e-3 * (1 + Math.abs(marked.x[0])), `${marked.x} is not from ${low} on`);
 // Its other words lead too: to the effect that they name, which is laid over the residuals, and to the ladder.
-await page.locator("#verdict .leads", { hasText: new RegExp(`^${effect}$`) }).last().click();
+const { [effect]: title } = (await stateOf(page)).titles;
+await page.locator("#verdict .leads", { hasText: new RegExp(`^${title}$`) }).last().click();
 assert.equal(await page.evaluate(() => document.activeElement.dataset.effect), effect);
 await page.locator("#looked:visible").waitFor();
 await page.locator("#verdict .leads", { hasText: "RMS error" }).click();
@@ -100,7 +101,7 @@ await candidates.first().focus();
 await page.route("**/api/picture*", async (route) => {
   await page.locator("#about[open] math").waitFor(); // what is known is not waited for
   await accessible(page, "about");
-  const moment = page.getByLabel("moment");
+  const moment = page.getByLabel("moment", { exact: true });
   const start = Number(await moment.inputValue());
   await page.waitForFunction((start) => Number(document.querySelector("#about input").value) > start, start); // it moves
   await page.getByText(/s: adds -?−?[\d.e−]+ mNm/).waitFor();
@@ -109,7 +110,7 @@ await page.route("**/api/picture*", async (route) => {
 await page.emulateMedia({ reducedMotion: "no-preference" });
 await page.keyboard.press("?");
 await page.waitForFunction(() => document.querySelector("#about img")?.naturalWidth > 500);
-const moment = page.getByLabel("moment");
+const moment = page.getByLabel("moment", { exact: true });
 await moment.fill(String(Math.round(0.6 * Number(await moment.getAttribute("max"))))); // by hand it stands still
 await page.getByRole("button", { name: "Play" }).waitFor();
 await picture("3-about");
@@ -229,7 +230,7 @@ assert.notEqual(await page.locator("#look .below p").textContent(), before, "a b
 await page.locator("#look details summary").click(); // all was weighed in vain by then
 const weighed = page.locator("#look .candidate").first();
 await weighed.hover();
-await page.getByText(`what ${await weighed.getAttribute("data-effect")} would explain`).waitFor();
+await page.getByText(`what ${await weighed.locator(".label").textContent()} would explain`).waitFor();
 await page.locator("#look").screenshot({ path: join(folder, "9-report-brushed.png") });
 assert.deepEqual(complaints, []);
 await browser.close();

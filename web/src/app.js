@@ -14,6 +14,7 @@ import { latest } from "./latest.js";
 import { Laws } from "./laws.js";
 import { USUAL, columnsOf } from "./contents.js";
 import { Looking, showLeft } from "./going.js";
+import { known } from "./names.js";
 import { Linked } from "./linked.js";
 import { Live } from "./live.js";
 import { showMoment } from "./moment.js";
@@ -22,6 +23,7 @@ import { Overlay } from "./overlay.js";
 import { Params } from "./params.js";
 import { preparing, sources } from "./sources.js";
 import { Store } from "./store.js";
+import { aboutOf } from "./said.js";
 import { themed } from "./theme.js";
 import { timed, times } from "./timing.js";
 import { showVerdict } from "./verdict.js";
@@ -157,7 +159,7 @@ class App {
 
   /**
    * Go where a verdict says that the model fails: the axis comes into the first row where no row has it.
-   * @param {import("./types.js").Place} place
+   * @param {import("./types.js").Stretch} place
    */
   go(place) {
     const { axes } = this.view;
@@ -218,9 +220,11 @@ class App {
     if (this.state?.node !== state.node) this.overlay.look(null); // what was weighed there is not weighed here
     if (!this.state?.node && state.node !== null && state.looked) this.lookAgain(state.looked);
     this.state = state;
+    known(state);
+    const about = aboutOf(state);
     byId("welcome").toggleAttribute("hidden", state.node !== null);
     document.body.classList.toggle("empty", state.node === null);
-    showVerdict(byId("verdict"), state, {
+    showVerdict(byId("verdict"), state, about, {
       place: (place) => this.go(place),
       effect: (effect) => this.candidates.go(effect),
       add: (effect) => this.ask("add", { effect }, "add"),
@@ -242,7 +246,7 @@ class App {
       use: (captures) => this.ask("use", { captures }, "captures"),
       close: (capture) => this.ask("close", { capture }, "captures"),
     });
-    showFindings(byId("findings"), state, {
+    showFindings(byId("findings"), state, about, {
       see: (capture, finding) => this.find(capture, finding),
       overrule: (capture, finding, on) => this.ask("overrule", { capture, finding, on }, "data"),
     });
@@ -250,8 +254,8 @@ class App {
     showLadder(byId("ladder"), state);
     if (!comparable(state, this.beside)) this.beside = null;
     this.showBranches(state);
-    this.params.show(state.params, state.together);
-    this.candidates.show(state);
+    this.params.show(state.params, state.together, about);
+    this.candidates.show(state, about);
     this.laws.show(state);
     this.any.show(state.absent);
     this.next.show(state);

@@ -1,6 +1,7 @@
 /** Branches of the session: what each has, how far its error fell, and which is shown beside the current one. */
 
 import { make } from "./dom.js";
+import { titleOf } from "./names.js";
 import { number, torqueScale } from "./numbers.js";
 
 /** @typedef {import("./types.js").State} State */
@@ -27,7 +28,7 @@ export function showBranches(place, state, beside, deeds) {
   const cards = state.branches.map(({ id, name, steps, at }) => {
     const step = steps[at];
     const changed = steps.slice(1, at + 1).filter(({ added, dropped }) => added || dropped); // not only fitted anew
-    const changes = changed.map(({ added, dropped }) => (added ? `+ ${added}` : `− ${dropped}`));
+    const changes = changed.map(({ added, dropped }) => (added ? `+ ${titleOf(added)}` : `− ${titleOf(dropped ?? "")}`));
     const words = changes.join(" ") || "nothing added";
     const card = make(
       "button",

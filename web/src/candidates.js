@@ -2,7 +2,9 @@
 
 import { make } from "./dom.js";
 import { fitFormulas, lawOf } from "./math.js";
+import { listed, titleOf } from "./names.js";
 import { number, percent } from "./numbers.js";
+import { sentence } from "./said.js";
 
 /** @typedef {import("./types.js").Candidate} Candidate */
 /** @typedef {import("./types.js").State} State */
@@ -32,16 +34,16 @@ export class Candidates {
     new ResizeObserver(() => fitFormulas(place)).observe(place);
   }
 
-  /** @param {Pick<State, "candidates" | "node" | "job">} state */
-  show({ candidates, node, job }) {
-    const shown = JSON.stringify([candidates, node, job?.id]);
+  /** @param {Pick<State, "candidates" | "node" | "job">} state @param {import("./said.js").About} about */
+  show({ candidates, node, job }, about) {
+    const shown = JSON.stringify([candidates, node, job?.id, about]);
     if (shown === this.shown) return;
     this.shown = shown;
     this.inside ||= this.place.contains(document.activeElement);
     this.at = 0;
     const could = candidates.rows.filter((row) => row.could_be);
     this.rows = [...could, ...candidates.rows.filter((row) => !row.could_be)];
-    this.items = this.rows.map((row, at) => this.item(row, at));
+    this.items = this.rows.map((row, at) => this.item(row, at, about));
     const others = this.items.slice(could.length);
     const ask = make("button", {
       ...{ type: "button", text: "What is missing?", disabled: job !== null || node === null },
@@ -55,7 +57,7 @@ export class Candidates {
       candidates.ready && could.length === 0 && others.length > 0 ? make("p", { class: "soft", text: NOTHING }) : "",
       make("ul", { "aria-label": "candidates", class: "candidates" }, ...this.items.slice(0, could.length)),
       others.length > 0 ? folded(others) : "",
-      ...remainder(candidates.unexplained),
+      ...remainder(candidates.unexplained, about),
     );
     fitFormulas(this.place);
     // On the list as a whole: on an item a second Enter would take another one, unseen.
@@ -63,16 +65,16 @@ export class Candidates {
     if (this.items.length > 0) this.inside = false;
   }
 
-  /** @param {Candidate} row @param {number} at */
-  item(row, at) {
+  /** @param {Candidate} row @param {number} at @param {import("./said.js").About} about */
+  item(row, at, about) {
     const bar = make("span", { class: "bar" });
     bar.style.width = `${100 * Math.min(1, Math.max(0, row.error_fall))}%`;
     const take = make("button", {
-      ...{ type: "button", text: this.taking, tabindex: -1, "aria-label": `${this.taking} ${row.effect}` },
+      ...{ type: "button", text: this.taking, tabindex: -1, "aria-label": `${this.taking} ${titleOf(row.effect)}` },
       on: { click: () => this.deeds.take(row.effect) },
     });
-    const about = make("button", {
-      ...{ type: "button", text: "?", tabindex: -1, "aria-label": `about ${row.effect}`, title: "what it is (key: ?)" },
+    const what = make("button", {
+      ...{ type: "button", text: "?", tabindex: -1, "aria-label": `about ${titleOf(row.effect)}`, title: "what it is (key: ?)" },
       on: { click: () => this.deeds.about?.(row) },
     });
     const chance = row.could_be ? "" : " chance";
@@ -80,7 +82,7 @@ export class Candidates {
       "li",
       {
         ...{ class: `candidate${chance}`, tabindex: at === 0 ? 0 : -1, "data-effect": row.effect },
-        "aria-label": `${row.effect}, ${row.name}: error falls by ${percent(Math.max(0, row.error_fall))}, ${evidence(row)}`,
+        "aria-label": `${titleOf(row.effect)}, ${row.name}: error falls by ${percent(Math.max(0, row.error_fall))}, ${evidence(row, about)}`,
         on: {
           pointerenter: () => this.deeds.look(row.effect),
           pointerleave: () => this.deeds.look(null),
@@ -88,15 +90,15 @@ export class Candidates {
           blur: () => this.deeds.look(null),
         },
       },
-      make("span", { class: "label", text: row.effect, title: row.shows ?? row.effect }),
+      make("span", { class: "label", text: titleOf(row.effect), title: row.effect }),
       make("span", { class: "track" }, bar),
       make("span", { class: "figure", text: percent(-Math.max(0, row.error_fall)), title: "fall of the RMS error" }),
-      make("span", { class: "deeds" }, this.deeds.about ? about : null, take),
+      make("span", { class: "deeds" }, this.deeds.about ? what : null, take),
       make("span", { class: "alike", text: row.name }),
       row.could_be ? make("span", { class: "alike law-of" }, lawOf(row)) : null,
-      make("span", { class: "evidence soft", text: evidence(row) }),
+      make("span", { class: "evidence soft", text: evidence(row, about) }),
       this.untold(row),
-      ...remarks(row).map((text) => make("span", { class: "alike soft", text })),
+      ...remarks(row).map((words) => make("span", { class: "alike soft" }, ...words)),
       ...row.implausible.map((text) => make("span", { class: "alike doubt", text: `⚠ ${text}` })),
     );
   }
@@ -108,11 +110,11 @@ export class Candidates {
   untold({ effect, equivalent }) {
     if (equivalent.length === 0) return null;
     const apart = make("button", {
-      ...{ type: "button", text: "Tell apart…", "aria-label": `Tell apart… ${effect}` },
+      ...{ type: "button", text: "Tell apart…", "aria-label": `Tell apart… ${titleOf(effect)}` },
       ...{ title: "design the motion that would tell", on: { click: () => this.deeds.apart?.([effect, ...equivalent]) } },
     });
-    const words = `this capture cannot tell it from ${equivalent.join(", ")} `;
-    return make("span", { class: "alike soft" }, words, this.deeds.apart ? apart : null);
+    const others = listed(equivalent, ", ");
+    return make("span", { class: "alike soft" }, "this capture cannot tell it from ", ...others, " ", this.deeds.apart ? apart : null);
   }
 
   /** Go to an effect. @param {string} effect */
@@ -161,10 +163,10 @@ function folded(items) {
   return make("details", {}, make("summary", { class: "soft", text: words }), make("ul", { class: "candidates" }, ...items));
 }
 
-/** @param {Candidate} row */
-function evidence(row) {
+/** @param {Candidate} row @param {import("./said.js").About} about */
+function evidence(row, about) {
   const chance = row.p_value <= 0.001 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
-  return `${row.said} (${chance})`;
+  return `${sentence(row.said, about)} (${chance})`;
 }
 
 /**
@@ -173,16 +175,14 @@ function evidence(row) {
  */
 function remarks({ equivalent, confused, note }) {
   const others = confused.filter((effect) => !equivalent.includes(effect));
-  return [
-    others.length > 0 ? `often confused with ${others.join(", ")}` : "",
-    note ?? "",
-  ].filter(Boolean);
+  return [...(others.length > 0 ? [["often confused with ", ...listed(others, ", ")]] : []), ...(note ? [[note]] : [])];
 }
 
-/** @param {State["candidates"]["unexplained"]} unexplained */
-function remainder(unexplained) {
+/** @param {State["candidates"]["unexplained"]} unexplained @param {import("./said.js").About} about */
+function remainder(unexplained, about) {
   if (!unexplained) return [];
   const { axis, share, hint } = unexplained;
-  const words = `Unexplained over ${axis}: ${percent(share)} of what remains${hint ? ` (${hint})` : ""}.`;
+  const where = sentence(hint, about);
+  const words = `Unexplained over ${sentence([{ along: axis }], about)}: ${percent(share)} of what remains${where ? ` (${where})` : ""}.`;
   return [make("p", { class: "soft", text: words })];
 }

@@ -2,9 +2,12 @@
 
 import { ask } from "./api.js";
 import { make } from "./dom.js";
+import { adviceOf, aboutOf, sentence } from "./said.js";
 
 /** @typedef {import("./types.js").State} State */
 /** @typedef {import("./types.js").CaptureInfo} CaptureInfo */
+/** @typedef {import("./types.js").Finding} Finding */
+/** @typedef {import("./said.js").About} About */
 
 const FEW = 2; // findings that are seen at once
 const SHORT = 5; // letters that are no use to leave out
@@ -16,13 +19,15 @@ const PLURAL = { note: "notes", warning: "warnings" };
  * @param {State} state
  * @param {{use: (captures: string[]) => void, close: (capture: string) => void}} deeds `use`: these ids to fit to
  */
-export function showCaptures(place, { captures, active }, { use, close }) {
-  const key = JSON.stringify([captures, active]);
+export function showCaptures(place, state, { use, close }) {
+  const { captures, active } = state;
+  const about = aboutOf(state);
+  const key = JSON.stringify([captures, active, about]);
   if (place.dataset.shown === key) return; // a button that is being pressed stays
   place.dataset.shown = key;
   if (captures.length === 1) {
     const [only] = captures;
-    place.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only)));
+    place.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only, about)));
     return;
   }
   const shared = sharedHead(captures.map(({ name }) => name));
@@ -38,7 +43,7 @@ export function showCaptures(place, { captures, active }, { use, close }) {
         disabled: alone,
         on: { click: () => use(toggled(capture.id)) },
       },
-      ...words(capture, shared),
+      ...words(capture, about, shared),
     );
     const away = make("button", {
       ...{ type: "button", class: "away", text: "×", "aria-label": `close ${capture.name}`, disabled: alone },
@@ -64,12 +69,21 @@ export function sharedHead(names) {
 /** A name without what others begin with too. @param {string} name @param {number} shared letters of it */
 const called = (name, shared) => (shared > 0 ? `…${name.slice(shared)}` : name);
 
-/** @param {CaptureInfo} capture @param {number} [shared] letters that others begin with too */
-function words({ name, samples, rate_hz, findings }, shared = 0) {
+/** @param {CaptureInfo} capture @param {About} about @param {number} [shared] letters that others begin with too */
+function words({ name, samples, rate_hz, findings }, about, shared = 0) {
   const facts = ` ${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
-  const doubtful = findings.filter(({ note }) => !note);
-  const doubt = make("span", { class: "doubt", text: "⚠ ", title: doubtful.map(({ text }) => text).join("\n") });
+  const doubtful = findings.filter((one) => !isNote(one));
+  const doubt = make("span", { class: "doubt", text: "⚠ ", title: doubtful.map((one) => textOf(one, about)).join("\n") });
   return [...(doubtful.length > 0 ? [doubt] : []), make("strong", { text: called(name, shared) }), facts];
+}
+
+/** Whether a finding changes nothing, and no person changed that. @param {Finding} finding */
+const isNote = ({ severity, overruled }) => severity === "note" && !overruled;
+
+/** A finding as a sentence: how grave it is, what was found, and what can be done about it here. @param {Finding} found @param {About} about */
+export function textOf({ severity, said, advice }, about) {
+  const way = advice && adviceOf(advice);
+  return `${severity}: ${sentence(said, about)}${way ? `; ${way}` : ""}`;
 }
 
 /**
@@ -77,11 +91,12 @@ function words({ name, samples, rate_hz, findings }, shared = 0) {
  * samples, and has a switch by which a person overrules it.
  * @param {HTMLElement} place
  * @param {State} state
+ * @param {About} about
  * @param {{see: (capture: string, finding: string) => void,
  *   overrule: (capture: string, finding: string, on: boolean) => void}} deeds
  */
-export function showFindings(place, { captures, active, limitations, notes, job }, deeds) {
-  const key = JSON.stringify([captures, active, limitations, notes, job === null]);
+export function showFindings(place, { captures, active, limitations, notes, job }, about, deeds) {
+  const key = JSON.stringify([captures, active, limitations, notes, about, job === null]);
   if (place.dataset.shown === key) return; // a switch that has the focus keeps it
   place.dataset.shown = key;
   const focused = document.activeElement?.getAttribute("data-finding");
@@ -89,13 +104,13 @@ export function showFindings(place, { captures, active, limitations, notes, job 
   const every = alikeInAll(fitted);
   const shared = sharedHead(fitted.map(({ name }) => name));
   const [several, all] = [fitted.length > 1, { id: "", name: "all: ", job }];
-  const apart = fitted.map((one) => ({ ...one, findings: one.findings.filter(({ text, note }) => !note || !every.has(text)) }));
+  const apart = fitted.map((one) => ({ ...one, findings: one.findings.filter((found) => !isNote(found) || !every.has(keyOf(found))) }));
   const told = [...apart.flatMap(({ findings }) => findings), ...every.values()];
   const found = apart.flatMap(({ id, name, findings }) => {
-    const own = [...findings.filter(({ note }) => !note), ...findings.filter(({ note }) => note)];
-    return own.map((one) => finding(one, { id, name: several ? `${called(name, shared)}: ` : "", job }, deeds));
+    const own = [...findings.filter((one) => !isNote(one)), ...findings.filter(isNote)];
+    return own.map((one) => finding(one, { id, name: several ? `${called(name, shared)}: ` : "", job }, about, deeds));
   });
-  found.push(...[...every.values()].map((one) => finding(one, all, deeds)));
+  found.push(...[...every.values()].map((one) => finding(one, all, about, deeds)));
   const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
   const open = place.querySelector("details")?.open ?? false;
@@ -106,38 +121,44 @@ export function showFindings(place, { captures, active, limitations, notes, job 
 }
 
 /**
- * Notes that name no samples and are the same of all of several captures, by their text: they are said once.
+ * Notes that name no samples and are the same of all of several captures, by what they say: they are said once.
  * @param {CaptureInfo[]} fitted
- * @returns {Map<string, import("./types.js").Finding>}
+ * @returns {Map<string, Finding>}
  */
 export function alikeInAll([first, ...others]) {
   if (!first || others.length === 0) return new Map();
   const alike = first.findings.filter(
-    ({ text, note, seen }) => note && !seen && others.every(({ findings }) => findings.some((one) => one.note && one.text === text)),
+    (note) => isNote(note) && !note.seen && others.every(({ findings }) => findings.some((one) => isNote(one) && keyOf(one) === keyOf(note))),
   );
-  return new Map(alike.map((one) => [one.text, one]));
+  return new Map(alike.map((one) => [keyOf(one), one]));
 }
+
+/** What a finding says. @param {Finding} finding */
+const keyOf = ({ said }) => JSON.stringify(said);
 
 /**
  * Many findings behind a line that says how many of which kind there are: what could be missing stands on the screen too.
  * @param {HTMLElement[]} items
- * @param {import("./types.js").Finding[]} told
+ * @param {Finding[]} told
  * @param {boolean} open
  */
 function folded(items, told, open) {
-  const kinds = Map.groupBy(told, ({ text, overruled }) => (overruled ? "overruled" : text.split(":")[0]));
+  const kinds = Map.groupBy(told, ({ severity, overruled }) => (overruled ? "overruled" : severity));
   const words = [...kinds].map(([kind, those]) => `${those.length} ${PLURAL[kind] && those.length > 1 ? PLURAL[kind] : kind}`);
-  const doubtful = told.some(({ note, overruled }) => !note && !overruled);
+  const doubtful = told.some((one) => !isNote(one) && !one.overruled);
   const summary = make("summary", { class: doubtful ? "doubt" : "soft", text: `${doubtful ? "⚠ " : ""}${told.length} findings: ${words.join(", ")}` });
   return make("li", {}, make("details", { open }, summary, make("ul", {}, ...items)));
 }
 
 /**
- * @param {import("./types.js").Finding} found
+ * @param {Finding} found
  * @param {{id: string, name: string, job: import("./types.js").Job | null}} capture
- * @param {Parameters<typeof showFindings>[2]} deeds
+ * @param {About} about
+ * @param {Parameters<typeof showFindings>[3]} deeds
  */
-function finding({ key, text, note, overruled, stands, seen }, { id, name, job }, { see, overrule }) {
+function finding(found, { id, name, job }, about, { see, overrule }) {
+  const { key, overruled, stands, seen } = found;
+  const [text, note] = [textOf(found, about), isNote(found)];
   const said = `${note || overruled ? "" : "⚠ "}${name}${text}`;
   const words = seen
     ? make("button", { type: "button", class: "leads", title: "show its samples", text: said, on: { click: () => see(id, key) } })

@@ -84,8 +84,8 @@ function wordOf(over) {
   return inside === over ? word : `the magnitude of ${word}`;
 }
 
-/** @param {string} over @param {About} about */
-function overWords(over, about) {
+/** A variable of a formula as an axis has it. @param {string} over @param {About} about */
+export function overWords(over, about) {
   const inside = over.replace(/^abs\((.*)\)$/, "$1");
   const along = ALONG[inside];
   if (!along) return over;

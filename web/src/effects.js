@@ -4,6 +4,7 @@ import { acting } from "./acting.js";
 import { fetchPicture, wordsOf } from "./api.js";
 import { byId, make } from "./dom.js";
 import { fitFormulas, lawOf } from "./math.js";
+import { titleOf } from "./names.js";
 
 /** @typedef {import("./types.js").Effect} Effect */
 
@@ -38,7 +39,7 @@ export class AnyEffect {
     if (names(absent) !== names(this.absent)) {
       // None is chosen at first, nor once one was added: a second Enter adds nothing.
       const none = make("option", { value: "", text: "choose one" });
-      this.select.replaceChildren(none, ...absent.map(({ effect, name }) => make("option", { value: effect, text: `${effect}: ${name}` })));
+      this.select.replaceChildren(none, ...absent.map(({ effect, name }) => make("option", { value: effect, text: `${titleOf(effect)}: ${name}`, title: effect })));
     }
     this.absent = absent;
   }
@@ -54,7 +55,8 @@ export function about(effect, shown) {
   // The words are there at once; the picture is drawn meanwhile, where room is kept for it.
   const drawing = make("p", { class: "soft", text: "The picture is being drawn …" });
   const frame = make("div", { class: "picture", role: "status" }, drawing);
-  byId("about-title").textContent = `${id}: ${name}`;
+  byId("about-title").textContent = `${titleOf(id)}: ${name}`;
+  byId("about-title").title = id;
   byId("about-text").replaceChildren(
     make("p", { text: sentence }),
     lawOf(effect),

@@ -2,6 +2,7 @@
 
 import { ask, post } from "./api.js";
 import { byId, make } from "./dom.js";
+import { titleOf } from "./names.js";
 
 /** @typedef {import("./types.js").State} State */
 
@@ -14,7 +15,7 @@ export function unhiding(failed) {
   byId("unhide").addEventListener("click", async () => {
     try {
       const told = await Promise.all(hiding.map((capture) => ask("hidden", { capture })));
-      byId("unhidden").textContent = [...new Set(told.map(({ hidden }) => hidden.join(" and ")))].join("; ");
+      byId("unhidden").textContent = [...new Set(told.map(({ hidden }) => hidden.map(titleOf).join(" and ")))].join("; ");
     } catch (reason) {
       failed(reason);
     }
@@ -57,7 +58,7 @@ function showStanding({ hints, more, wrong, found, hidden, solved, sealed, score
  */
 export function standingWords({ wrong, found, hidden, solved }) {
   const many = hidden === 1 ? "one effect is hidden" : `${hidden} effects are hidden`;
-  const costs = wrong.length > 0 ? `; not there: ${wrong.join(", ")}` : "";
+  const costs = wrong.length > 0 ? `; not there: ${wrong.map(titleOf).join(", ")}` : "";
   if (solved) return `Solved: what was hidden is in the model, and nothing else${costs}.`;
   if (found === hidden) return `All that is hidden is in the model, but so is something else${costs}.`;
   return `In this knob ${many}${found > 0 ? `, ${found} of them found` : ""}. Look where the residual has structure, and add what explains it${costs}.`;

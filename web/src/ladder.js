@@ -1,6 +1,7 @@
 /** The error ladder: one line per step of the branch, down to the noise floor. */
 
 import { make } from "./dom.js";
+import { titleOf } from "./names.js";
 import { number, torqueScale } from "./numbers.js";
 
 /** @typedef {import("./types.js").State} State */
@@ -24,7 +25,7 @@ export function showLadder(place, state) {
   const lines = steps.map(({ added, dropped, rmse, rmse_heldout }, at) => {
     const now = at === here;
     const undone = at > here;
-    const label = added ? `+ ${added}` : dropped ? `− ${dropped}` : at === 0 ? "first model" : "fitted anew";
+    const label = added ? `+ ${titleOf(added)}` : dropped ? `− ${titleOf(dropped)}` : at === 0 ? "first model" : "fitted anew";
     const bar = make("span", { class: "bar" });
     const held = make("span", { class: "held" });
     bar.style.width = `${(100 * rmse) / widest}%`;
@@ -34,7 +35,7 @@ export function showLadder(place, state) {
     return make(
       "li",
       { class: `ladder-line${now ? " now" : ""}${undone ? " undone" : ""}`, "aria-current": now ? "step" : null },
-      make("span", { class: "label", text: label, title: label }),
+      make("span", { class: "label", text: label, title: added ?? dropped ?? label }),
       make("span", { class: "figure", text: shown(rmse), title: "RMS error" }),
       make("span", { class: "figure soft", text: shown(rmse_heldout), title: "on blocks that the fit did not see" }),
       track,

@@ -2,6 +2,8 @@
 
 import { curveWords, drawCurve } from "./curve.js";
 import { byId, make } from "./dom.js";
+import { nodes } from "./said.js";
+import { drawSurface, surfaceWords } from "./surface.js";
 import { number as written, percent, torqueScale } from "./numbers.js";
 
 /** @typedef {import("./types.js").Law} Law */
@@ -19,9 +21,10 @@ export class Laws {
     this.place = place;
     this.deeds = deeds;
     this.shown = "";
-    /** @type {(Pick<State, "curve" | "unit" | "peak"> & {coordinate: "rotary" | "linear"}) | null} */
+    /** @type {(Pick<State, "curve" | "surface" | "unit" | "peak"> & {coordinate: "rotary" | "linear"}) | null} */
     this.about = null;
     new ResizeObserver(() => this.draw()).observe(byId("curve"));
+    new ResizeObserver(() => this.draw()).observe(byId("surface"));
     const form = /** @type {HTMLFormElement} */ (byId("own-form"));
     form.addEventListener("submit", async (event) => {
       event.preventDefault();
@@ -61,8 +64,9 @@ export class Laws {
     }, TYPED_MS);
   }
 
-  /** Draw the curve, with one of the laws before the others. @param {number} [looked] from 1 */
+  /** Draw the curve, with one of the laws before the others, and the map beside that of the law. @param {number} [looked] from 1 */
   draw(looked = 1) {
+    this.drawMaps(looked);
     const curve = this.about?.curve ?? null;
     byId("curve").hidden = curve === null;
     if (!curve || !this.about) return;
@@ -73,13 +77,28 @@ export class Laws {
     canvas.setAttribute("aria-label", words);
   }
 
+  /** @param {number} looked from 1; of a law of fewer variables, the first that has a map stays beside */
+  drawMaps(looked) {
+    const surface = this.about?.surface ?? null;
+    byId("surface").hidden = surface === null;
+    if (!surface || !this.about) return;
+    const law = surface.laws[looked - 1] ? looked : surface.laws.findIndex((one) => one !== null) + 1;
+    const words = surfaceWords(surface, this.about);
+    byId("surface-words").textContent = words;
+    for (const [id, shown] of /** @type {const} */ ([["surface-left", null], ["surface-law", law]])) {
+      const canvas = /** @type {HTMLCanvasElement} */ (byId(id));
+      drawSurface(canvas, surface, this.about, shown);
+      canvas.setAttribute("aria-label", `${shown === null ? "what is left" : `what law ${shown} makes of it`}. ${words}`);
+    }
+  }
+
   /** @param {State} state */
-  show({ candidates, proposed, proposed_text, node, job, rmse, curve, unit, peak, captures }) {
+  show({ candidates, proposed, proposed_said, node, job, rmse, curve, surface, unit, peak, captures }) {
     const shown = JSON.stringify([candidates.ready, proposed, node, job === null]);
     if (shown === this.shown) return;
     this.shown = shown;
     byId("own").hidden = node === null;
-    this.about = { curve, unit, peak, coordinate: captures[0]?.coordinate ?? "rotary" };
+    this.about = { curve, surface, unit, peak, coordinate: captures[0]?.coordinate ?? "rotary" };
     this.draw();
     const nothing = candidates.rows.length === 0 && candidates.unexplained === null; // is left, nor could be missing
     if (!candidates.ready || node === null || (proposed === null && nothing)) {
@@ -93,7 +112,7 @@ export class Laws {
     } else {
       const list = proposed.map((law, at) => this.item(law, at + 1, rmse ?? law.rmse));
       this.place.replaceChildren(
-        make("p", { class: "soft small", text: proposed_text, role: "status" }),
+        make("p", { class: "soft small", role: "status" }, ...nodes(proposed_said, this.about)),
         ...(list.length > 0 ? [make("ul", { class: "laws", "aria-label": "laws that are proposed" }, ...list)] : []),
       );
     }

@@ -159,7 +159,7 @@ export class Linked {
 
   /**
    * Choose what lies where a verdict says that the model fails, and mark it on the residuals over that axis.
-   * @param {import("./types.js").Place} place
+   * @param {import("./types.js").Stretch} place
    */
   mark(place) {
     const at = this.axes.indexOf(place.axis);

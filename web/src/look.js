@@ -4,6 +4,7 @@ import { Candidates } from "./candidates.js";
 import { USUAL } from "./contents.js";
 import { make } from "./dom.js";
 import { Linked } from "./linked.js";
+import { known, titleOf } from "./names.js";
 import { number, torqueScale } from "./numbers.js";
 import { timed } from "./timing.js";
 
@@ -22,6 +23,7 @@ export class Look {
    */
   constructor(head, measured, residuals, deeds) {
     this.head = head;
+    known(head);
     this.measured = measured;
     this.residuals = residuals;
     this.deeds = deeds;
@@ -79,7 +81,7 @@ export class Look {
     for (const [at, button] of this.buttons.entries()) button.setAttribute("aria-pressed", String(at === step));
     const { candidates } = head.steps[step];
     this.missing.hidden = candidates === null;
-    if (candidates) this.candidates.show({ candidates, node: String(step), job: null });
+    if (candidates) this.candidates.show({ candidates, node: String(step), job: null }, head);
     timed("data", () => this.linked.show({ ...head, columns, fitted: true }, this.view));
   }
 
@@ -89,7 +91,7 @@ export class Look {
    * @param {Float32Array | null} signature
    */
   overlay(effect, signature) {
-    const said = effect ? [make("i", { class: "signature" }), `what ${effect} would explain`] : [];
+    const said = effect ? [make("i", { class: "signature" }), `what ${titleOf(effect)} would explain`] : [];
     this.looked.replaceChildren(...said);
     timed("look", () => this.linked.overlay(signature));
   }

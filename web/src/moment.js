@@ -1,7 +1,7 @@
 /** What a capture is at one moment: a small knob that stands where it stood, and the torques as arrows. */
 
 import { byId, styleValue } from "./dom.js";
-import { number, torqueScale, torqueWord } from "./numbers.js";
+import { motionWords, number, torqueScale, torqueWord } from "./numbers.js";
 
 /** @typedef {import("./contents.js").Data} Data */
 
@@ -25,7 +25,7 @@ export function showMoment(data, at) {
   }
   const { t, theta, omega, tau, residual } = data.columns;
   const linear = data.coordinate === "linear";
-  const [angle, rate] = linear ? ["m", "m/s"] : ["rad", "rad/s"];
+  const { theta: way, omega: rate } = motionWords(data);
   const counts = residual[at] === residual[at];
   const modelled = tau[at] - residual[at];
   let largest = 0;
@@ -33,7 +33,7 @@ export function showMoment(data, at) {
   const { factor, unit } = torqueScale(data);
   const shown = (/** @type {number} */ value) => number(value * factor);
   byId("moment-words").textContent =
-    `${number(t[at], 4)} s, ${number(theta[at])} ${angle}, ${number(omega[at])} ${rate}; ${torqueWord(data.unit)} ` +
+    `${number(t[at], 4)} s, ${number(theta[at])} ${way.unit}, ${number(omega[at])} ${rate.unit}; ${torqueWord(data.unit)} ` +
     (counts
       ? `${shown(tau[at])} measured, ${shown(modelled)} modelled, ${shown(residual[at])} ${unit} left`
       : `masked: it does not count`);

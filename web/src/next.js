@@ -3,10 +3,12 @@
 import { Refusal, ask, fetchBytes, post, wordsOf } from "./api.js";
 import { limits } from "./axes.js";
 import { byId, make } from "./dom.js";
-import { bars, inWords, largest, limitWords } from "./evidence.js";
+import { bars, largest, limitWords } from "./evidence.js";
 import { Metronome } from "./metronome.js";
-import { number, torqueScale, torqueWord } from "./numbers.js";
+import { listed } from "./names.js";
+import { motionWords, number, torqueScale, torqueWord } from "./numbers.js";
 import { Plot } from "./plot.js";
+import { aboutOf, nodes } from "./said.js";
 import { decode } from "./store.js";
 import { timed } from "./timing.js";
 
@@ -100,7 +102,7 @@ export class Next {
       within[name] = String(value).trim() && Number.isFinite(typed) ? typed : value;
     }
     const rivals = this.told?.rivals ?? [];
-    const before = rivals.length > 1 ? rivals.map((one) => one.split(" + ").at(-1) ?? "") : [];
+    const before = rivals.length > 1 ? rivals.map((rival) => effectsOf(rival).at(-1) ?? "") : [];
     return this.design(this.effects ?? before, within);
   }
 
@@ -127,8 +129,8 @@ export class Next {
       byId("next-said").textContent = "";
       return;
     }
-    const [promise] = inWords(experiment.headline, state.params).split(": "); // how it moves is told where it is shown
-    byId("next-said").textContent = experiment.verdict ?? `${promise}.`.replace("..", ".");
+    // How it moves is told where it is shown.
+    byId("next-said").replaceChildren(...nodes(experiment.verdict ?? experiment.promises, aboutOf(state)));
     if (byId("next").hidden) return;
     this.enable(!recording);
     const shown = JSON.stringify([experiment, node, state.active]);
@@ -139,24 +141,25 @@ export class Next {
   }
 
   /** @param {Experiment} experiment @param {State} state */
-  tell(experiment, { params, captures, unit }) {
+  tell(experiment, state) {
     const { headline, verdict, source, pairs, steps, by_hand, seconds, limits: within } = experiment;
+    const about = aboutOf(state);
     byId("next-time").textContent = `${number(seconds)} s`;
-    byId("next-headline").textContent = inWords(headline, params);
-    byId("next-verdict").textContent = verdict ?? "";
+    byId("next-headline").replaceChildren(...nodes(headline, about));
+    byId("next-verdict").replaceChildren(...nodes(verdict ?? [], about));
     byId("next-record").hidden = source === null;
     byId("next-record").textContent = experiment.capture ? "Record it again" : "Record it";
     byId("next-record").title = source ? `from ${source}` : "";
     byId("next-source").textContent = source ? `from ${source}` : "";
-    byId("next-keys").replaceChildren(...experiment.rivals.map(key));
+    byId("next-keys").replaceChildren(...experiment.rivals.map((rival, at) => key(nodes(rival, about), at)));
     byId("next-evidence").hidden = pairs.length === 0;
-    byId("next-pairs").replaceChildren(...pairs.flatMap((pair) => bars(pair, experiment.told, largest(pairs))));
+    byId("next-pairs").replaceChildren(...pairs.flatMap((pair) => bars(pair, about, { told: experiment.told, most: largest(pairs) })));
     const tempi = new Set(steps.map(({ beats }) => Math.round(beats)).filter(Boolean));
     const led = tempi.size === 1 ? ` at ${[...tempi][0]} beats a minute` : "";
     byId("next-can").textContent = by_hand ? `By hand, led by a metronome${led}` : "For a motor";
     byId("next-no-hand").hidden = by_hand;
     byId("next-steps").replaceChildren(...(by_hand ? steps : []).map(({ words }) => make("li", {}, words)));
-    const words = limitWords(captures[0]?.coordinate === "linear", unit);
+    const words = limitWords(about);
     for (const [name, value] of Object.entries(within)) {
       const field = byId("next-limits").querySelector(`[name=${name}]`);
       if (!(field instanceof HTMLInputElement)) continue;
@@ -182,17 +185,15 @@ export class Next {
   draw() {
     const { motion, recorded = [], state } = this;
     if (!motion || !state?.experiment || byId("next").hidden) return;
-    const rotary = state.captures[0]?.coordinate !== "linear";
-    const words = { theta: rotary ? "angle" : "position", omega: "velocity" };
-    const units = rotary ? { theta: "rad", omega: "rad/s" } : { theta: "m", omega: "m/s" };
+    const words = motionWords(aboutOf(state));
     const both = (/** @type {string} */ name) => [...recorded.map((part) => part[name]), motion[name]];
     const since = recorded.map(({ t }) => t.map((value) => value - (t[0] ?? 0)));
     const [over, across] = ["theta", "omega"].map((name) => ({ y: both(name), name }));
     for (const [at, { y, name }] of [over, across].entries()) {
       const x = at === 0 ? [...since, motion.t] : both("theta");
-      const label = (/** @type {"theta" | "omega"} */ one) => `${words[one]}, ${units[one]}`;
+      const label = (/** @type {"theta" | "omega"} */ one) => `${words[one].name}, ${words[one].unit}`;
       this.plots[at].show({
-        title: at === 0 ? `${words.theta} over time` : `velocity over ${words.theta}`,
+        title: at === 0 ? `${words.theta.name} over time` : `velocity over ${words.theta.name}`,
         ...clouds(x, y, ["--measured", "--signature"]),
         xAxis: axis(limits(x), at === 0 ? "time, s" : label("theta")),
         yAxis: axis(limits(y), label(/** @type {"theta" | "omega"} */ (name))),
@@ -277,8 +278,7 @@ export class Next {
     await this.loading;
     const { told, motion, state } = this;
     if (!told || !motion) return;
-    const coordinate = state?.captures[0]?.coordinate ?? "rotary";
-    this.metronome.open({ t: motion.t, theta: motion.theta }, told.steps, coordinate);
+    if (state) this.metronome.open({ t: motion.t, theta: motion.theta }, told.steps, aboutOf(state).coordinate);
   }
 
   /** Record while the hand is led: from the rig of before, or from one that is asked for. */
@@ -312,7 +312,10 @@ export function showUntold(place, { untold }, apart) {
     make(
       "li",
       {},
-      `${effects[0]} came in; these captures cannot tell it from ${effects.slice(1).join(", ")}. `,
+      ...listed([effects[0]], ""),
+      " came in; these captures cannot tell it from ",
+      ...listed(effects.slice(1), ", "),
+      ". ",
       make("button", { type: "button", text: "Tell apart…", on: { click: () => apart(effects) } }),
     ),
   );
@@ -360,9 +363,14 @@ function clouds(x, y, [before, motion]) {
   };
 }
 
-/** @param {string} name @param {number} at */
+/** @param {(Node | string)[]} name @param {number} at */
 function key(name, at) {
   const mark = make("i", {});
   mark.style.background = `var(${COLOURS[at % COLOURS.length]})`;
-  return make("span", { class: "key" }, mark, name);
+  return make("span", { class: "key" }, mark, ...name);
+}
+
+/** The effects that make a rival, by their ids. @param {Experiment["rivals"][0]} rival */
+function effectsOf(rival) {
+  return rival.flatMap((part) => (typeof part === "object" && "effect" in part ? [part.effect] : []));
 }

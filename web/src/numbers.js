@@ -51,6 +51,19 @@ export function torqueWord(unit) {
 }
 
 /**
+ * How a motion is called and measured, of a knob that turns or of one that slides.
+ * @param {{coordinate: "rotary" | "linear"}} about
+ */
+export function motionWords({ coordinate }) {
+  const [place, way] = coordinate === "linear" ? ["position", "m"] : ["angle", "rad"];
+  return {
+    theta: { name: place, unit: way },
+    omega: { name: "velocity", unit: `${way}/s` },
+    alpha: { name: "acceleration", unit: unitWords(`${way}/s^2`) },
+  };
+}
+
+/**
  * Round values between two limits, for the ticks of an axis.
  * @param {number} low
  * @param {number} high

@@ -1,7 +1,9 @@
 /** The parameter table: values that can be dragged to feel what each does. */
 
 import { byId, make } from "./dom.js";
+import { paramOf, titleOf } from "./names.js";
 import { number, unitWords } from "./numbers.js";
+import { sentence } from "./said.js";
 
 /** @typedef {import("./types.js").Param} Param */
 
@@ -22,11 +24,11 @@ export class Params {
     this.shape = "";
   }
 
-  /** @param {Param[]} params @param {import("./types.js").Together[]} together */
-  show(params, together) {
+  /** @param {Param[]} params @param {import("./types.js").Together[]} together @param {import("./said.js").About} about */
+  show(params, together, about) {
     showTogether(together);
     const shape = JSON.stringify(params.map(({ name, fitted, lower, upper }) => [name, fitted, lower, upper]));
-    if (shape !== this.shape) this.build(params);
+    if (shape !== this.shape) this.build(params, about);
     this.shape = shape;
     for (const param of params) {
       const row = this.rows.get(param.name);
@@ -39,14 +41,17 @@ export class Params {
     }
   }
 
-  /** @param {Param[]} params */
-  build(params) {
+  /** @param {Param[]} params @param {import("./said.js").About} about */
+  build(params, about) {
     const focused = document.activeElement?.getAttribute("data-param");
     this.rows.clear();
     const groups = Map.groupBy(params, ({ name }) => name.split(".")[0]);
     const lines = [...groups].flatMap(([effect, own]) => [
       this.heading(effect, groups.size > 1),
-      ...own.flatMap((param) => [this.line(param), own.length <= WORDED ? meaning(param) : "", reason(param)]),
+      ...own.flatMap((param) => {
+        const doubt = param.doubt ? sentence(param.doubt, about) : "";
+        return [this.line(param, doubt), own.length <= WORDED ? meaning(param) : "", reason(doubt)];
+      }),
     ]);
     const widths = make("colgroup", {}, ...["name", "slide", "value", "unit"].map((name) => make("col", { class: name })));
     this.place.replaceChildren(make("table", { class: "params" }, widths, make("tbody", {}, ...lines)));
@@ -56,27 +61,27 @@ export class Params {
   /** @param {string} effect @param {boolean} removable */
   heading(effect, removable) {
     const drop = make("button", {
-      ...{ type: "button", text: "×", title: `remove ${effect}`, "aria-label": `remove ${effect}` },
+      ...{ type: "button", text: "×", title: `remove ${titleOf(effect)}`, "aria-label": `remove ${titleOf(effect)}` },
       on: { click: () => this.deeds.drop(effect) },
     });
-    const name = make("th", { scope: "rowgroup", colspan: 3, text: effect });
+    const name = make("th", { scope: "rowgroup", colspan: 3, text: titleOf(effect), title: effect });
     return make("tr", { class: "effect" }, name, make("td", { class: "remove" }, removable ? drop : ""));
   }
 
-  /** @param {Param} param */
-  line(param) {
+  /** @param {Param} param @param {string} doubted why its value is doubted */
+  line(param, doubted) {
     const { low, high } = span(param);
     const slider = make("input", {
       ...{ type: "range", min: 0, max: STEPS, step: 1, value: place(param.value, { low, high }) },
-      ...{ "aria-label": param.name, "data-param": param.name, disabled: param.role === "fixed" },
+      ...{ "aria-label": paramOf(param.name), "data-param": param.name, disabled: param.role === "fixed" },
       on: { input: () => this.drag(param.name) },
     });
     const value = make("span", { class: "figure" });
     const error = make("span", { class: "error soft figure", text: plusMinus(param) });
     this.rows.set(param.name, { slider, value, error, low, high });
     const between = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
-    const doubt = param.doubt ? make("span", { class: "doubt", text: " ⚠", "aria-hidden": "true" }) : null;
-    const about = [param.name, param.meaning, param.doubt].filter(Boolean).join(": ");
+    const doubt = doubted ? make("span", { class: "doubt", text: " ⚠", "aria-hidden": "true" }) : null;
+    const about = [param.name, param.meaning, doubted].filter(Boolean).join(": ");
     return make(
       "tr",
       {},
@@ -103,8 +108,8 @@ function meaning({ meaning: words }) {
   return words ? make("tr", {}, make("td", { class: "meaning soft", colspan: 4, text: words })) : "";
 }
 
-/** Why a value is doubted, below it. @param {Param} param */
-function reason({ doubt }) {
+/** Why a value is doubted, below it. @param {string} doubt */
+function reason(doubt) {
   if (!doubt) return "";
   return make("tr", {}, make("td", { class: "reason doubt", colspan: 4, text: doubt }));
 }
@@ -113,7 +118,7 @@ function reason({ doubt }) {
 function showTogether(together) {
   byId("together").hidden = together.length === 0;
   const rows = together.map(({ names, correlation }) =>
-    make("tr", {}, make("th", { scope: "row", text: names.join(" and ") }), make("td", { class: "figure", text: number(correlation, 3) })),
+    make("tr", {}, make("th", { scope: "row", text: names.map(paramOf).join(" and "), title: names.join(", ") }), make("td", { class: "figure", text: number(correlation, 3) })),
   );
   byId("together-rows").replaceChildren(...rows);
 }

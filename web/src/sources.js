@@ -51,7 +51,7 @@ export function sources(heard) {
     fill(form, "knob", known.knobs.map(({ name, words }) => [name, words]), "knob3");
     const { hideable } = known.knobs[0];
     const every = [...new Set([...hideable, ...known.knobs.flatMap((knob) => knob.hideable)])];
-    if (!byId("new-effects").querySelector("input")) byId("new-effects").append(...every.map(effectBox(known.effects)));
+    if (!byId("new-effects").querySelector("input")) byId("new-effects").append(...every.map(effectBox(known)));
     byId("new-ports").replaceChildren(...known.ports.map(({ port, words }) => make("option", { value: port, text: words })));
     byId("new-found").textContent = found(known.ports);
     const port = field(form, "port");
@@ -145,14 +145,14 @@ function numeric(value) {
   return value.trim() && Number.isFinite(number) ? number : value;
 }
 
-/** @param {Record<string, string>} shows where each effect shows */
-function effectBox(shows) {
+/** @param {Sources} known where each effect shows, and what it is called */
+function effectBox({ effects: shows, titles }) {
   return (/** @type {string} */ name) =>
     make(
       "label",
-      { title: shows[name] ?? "" },
+      { title: `${name}: ${shows[name] ?? ""}` },
       make("input", { type: "checkbox", name: "effects", value: name }),
-      ` ${name}`,
+      ` ${titles[name] ?? name}`,
     );
 }
 

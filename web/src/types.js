@@ -1,13 +1,73 @@
 /**
- * What the server and the reports tell. Made by `python3 dev.py page` of pages.py and pages_sources.py
- * in python/knobcam/base.
+ * What the server and the reports tell. Made by `python3 dev.py page` of pages*.py in python/knobcam/base.
+ */
+
+/**
+ * A number with its unit, and as text has it.
+ * @typedef {{value: number, unit: string, text: string}} Quantity
+ */
+
+/**
+ * A stretch of an axis, where the knob moves forward (1), backward (-1) or both ways (0).
+ * @typedef {{axis: "position" | "velocity" | "acceleration" | "load" | "history" | "time" | "frequency",
+ *   low: number, high: number, unit: string, direction: number}} Stretch
+ */
+
+/**
+ * The axis that something lies along.
+ * @typedef {{along: string}} OfAxis
+ */
+
+/**
+ * An effect, by its id.
+ * @typedef {{effect: string}} OfEffect
+ */
+
+/**
+ * A parameter, by its name.
+ * @typedef {{param: string}} OfParam
+ */
+
+/**
+ * A column of a capture, by its name.
+ * @typedef {{column: string}} OfColumn
+ */
+
+/**
+ * Words with more to know behind them.
+ * @typedef {{words: string, topic: "error" | "findings"}} Topic
+ */
+
+/**
+ * What to do, in words of the command line, and the `way` of it.
+ * @typedef {{advice: string, way: "" | "columns" | "unit" | "minus" | "unwrap" | "parts" | "drive" | "command"}}
+ *   Advice
+ */
+
+/**
+ * What no effect explains over a variable, as a factor of `times`, and half the width of its 95 % band.
+ *
+ * Null where the motion hardly went. `laws`: each law in their order, null for one that is not drawn.
+ * @typedef {{over: string, times: string, x: number[], value: (number | null)[], band: (number | null)[],
+ *   laws: ((number | null)[] | null)[]}} Curve
+ */
+
+/**
+ * What no effect explains over two variables, as a factor of `times`: a row for each `y` of the second.
+ *
+ * Null where the motion did not go. `laws`: each law in their order, null for one of fewer variables.
+ * @typedef {{over: [string, string], times: string, x: number[], y: number[], value: ((number | null)[])[],
+ *   laws: (((number | null)[])[] | null)[]}} Surface
  */
 
 /**
  * What the quality check found in a capture, and whether a person has `overruled` it, by its `key`.
  *
- * `stands` is why nobody can, `seen` whether it names samples; a `note` changes nothing.
- * @typedef {{key: string, text: string, note: boolean, overruled: boolean, stands: string, seen: boolean}} Finding
+ * `stands` is why nobody can, `seen` whether it names samples; a "note" changes nothing.
+ * @typedef {{key: string,
+ *   said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
+ *   advice: Advice | null, severity: "note" | "masked" | "mended" | "warning", overruled: boolean, stands: string,
+ *   seen: boolean}} Finding
  */
 
 /**
@@ -36,7 +96,8 @@
  * A parameter; `doubt` is what is doubtful about its fitted value, `dragged` whether a hand moved it.
  * @typedef {{name: string, value: number, ci95: [number, number] | null, unit: string, role: string,
  *   fitted: number, dragged: boolean, lower: number | null, upper: number | null, meaning: string,
- *   doubt: string | null}} Param
+ *   doubt: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[] | null}}
+ *   Param
  */
 
 /**
@@ -47,7 +108,7 @@
 /**
  * An effect of the catalogue, in words.
  * @typedef {{effect: string, place: string, law: string, source: string, shows: string, confused: string[],
- *   name: string, about: string, causes: string[], remedies: string[], latex: string, over: string,
+ *   title: string, name: string, about: string, causes: string[], remedies: string[], latex: string, over: string,
  *   friction: boolean}} Effect
  */
 
@@ -59,17 +120,18 @@
 /**
  * An effect that could be missing, with what speaks for it and against it; `said` is `word` in words.
  * @typedef {{effect: string, place: string, law: string, source: string, shows: string, confused: string[],
- *   name: string, about: string, causes: string[], remedies: string[], latex: string, over: string,
+ *   title: string, name: string, about: string, causes: string[], remedies: string[], latex: string, over: string,
  *   friction: boolean,
  *   word: "missing" | "part" | "alike" | "less" | "implausible" | "too_little" | "unpaid" | "chance" | "untold",
- *   said: string, could_be: boolean, beyond_chance: boolean, p_value: number, error_fall: number,
- *   rmse_heldout: number | null, moved: Record<string, Movement>, equivalent: string[], implausible: string[],
- *   note: string}} Candidate
+ *   said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
+ *   could_be: boolean, beyond_chance: boolean, p_value: number, error_fall: number, rmse_heldout: number | null,
+ *   moved: Record<string, Movement>, equivalent: string[], implausible: string[], note: string}} Candidate
  */
 
 /**
  * What no effect explains: along which axis, which share of the error, of what shape.
- * @typedef {{axis: string, share: number, hint: string}} Unexplained
+ * @typedef {{axis: string, share: number,
+ *   hint: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[]}} Unexplained
  */
 
 /**
@@ -85,22 +147,15 @@
  */
 
 /**
- * What no effect explains over a variable, as a factor of `times`, and half the width of its 95 % band.
- *
- * Null where the motion hardly went. `laws`: each law in their order, null for one that is not drawn.
- * @typedef {{over: string, times: string, x: number[], value: (number | null)[], band: (number | null)[],
- *   laws: ((number | null)[] | null)[]}} Curve
- */
-
-/**
  * What is being done; `done` from 0 to 1, null while nobody can tell.
  * @typedef {{id: string, what: string, done: number | null, recording: boolean}} Job
  */
 
 /**
  * Two rivals: D that a motion promises, that of the best standard one, and what came (null: not yet).
- * @typedef {{names: [string, string], d: number, standard_d: number, wrong_choice: number, came: number | null}}
- *   Pair
+ * @typedef
+ *   {{names: [(string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[], (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[]],
+ *   d: number, standard_d: number, wrong_choice: number, came: number | null}} Pair
  */
 
 /**
@@ -111,18 +166,16 @@
 /**
  * A motion that tells rivals apart from D = `told` on; `verdict` is what its recording `capture` told.
  *
- * Of one rival alone it makes a parameter known better.
- * `source` is what it can be recorded from at once, in words.
- * @typedef {{id: string, rivals: string[], headline: string, separable: boolean, seconds: number,
- *   limits: Record<string, number>, pairs: Pair[], told: number, by_hand: boolean, steps: HandStep[],
- *   source: string | null, capture: string | null, verdict: string | null}} Experiment
- */
-
-/**
- * Where a model fails, in `words` of a verdict; moving forward (1), backward (-1) or both ways (0).
- * @typedef {{words: string,
- *   axis: "position" | "velocity" | "acceleration" | "load" | "history" | "time" | "frequency", low: number,
- *   high: number, direction: number}} Place
+ * Of one rival alone it makes a parameter known better. `headline` is what it `promises` and how it moves,
+ * `source` what it can be recorded from at once, in words.
+ * @typedef {{id: string,
+ *   rivals: ((string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[])[],
+ *   promises: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
+ *   headline: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
+ *   separable: boolean, seconds: number, limits: Record<string, number>, pairs: Pair[], told: number,
+ *   by_hand: boolean, steps: HandStep[], source: string | null, capture: string | null,
+ *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[] | null}}
+ *   Experiment
  */
 
 /**
@@ -142,13 +195,16 @@
 /**
  * What a session has; before the first capture there is no node, `proposed` is null until it is asked.
  *
- * Of the effects in each of `untold` one is in the model, not known which. `peak` is the largest torque.
+ * Of the effects in each of `untold` one is in the model, not known which. `peak` is the largest torque,
+ * `titles` those of all effects.
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, peak: number,
- *   params: Param[], together: Together[], rmse: number | null, rmse_heldout: number | null, verdict_text: string,
- *   places: Place[], ladder: LadderStep[], candidates: Candidates, warnings: string[], limitations: string[],
- *   absent: Effect[], untold: string[][], proposed: Law[] | null, proposed_text: string, curve: Curve | null,
- *   experiment: Experiment | null}} Session
+ *   params: Param[], together: Together[], rmse: number | null, rmse_heldout: number | null,
+ *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
+ *   ladder: LadderStep[], candidates: Candidates, warnings: string[], limitations: string[],
+ *   titles: Record<string, string>, absent: Effect[], untold: string[][], proposed: Law[] | null,
+ *   proposed_said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
+ *   curve: Curve | null, surface: Surface | null, experiment: Experiment | null}} Session
  */
 
 /**
@@ -177,11 +233,13 @@
  * The answer of `GET /api/state`: a session, what is being done to it, and what can go on.
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, peak: number,
- *   params: Param[], together: Together[], rmse: number | null, rmse_heldout: number | null, verdict_text: string,
- *   places: Place[], ladder: LadderStep[], candidates: Candidates, warnings: string[], limitations: string[],
- *   absent: Effect[], untold: string[][], proposed: Law[] | null, proposed_text: string, curve: Curve | null,
- *   experiment: Experiment | null, job: Job | null, recording: boolean, looked: Looked | null, left: Left[],
- *   notes: string[]}} State
+ *   params: Param[], together: Together[], rmse: number | null, rmse_heldout: number | null,
+ *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
+ *   ladder: LadderStep[], candidates: Candidates, warnings: string[], limitations: string[],
+ *   titles: Record<string, string>, absent: Effect[], untold: string[][], proposed: Law[] | null,
+ *   proposed_said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
+ *   curve: Curve | null, surface: Surface | null, experiment: Experiment | null, job: Job | null,
+ *   recording: boolean, looked: Looked | null, left: Left[], notes: string[]}} State
  */
 
 /**
@@ -203,8 +261,10 @@
 
 /**
  * What linked plots show: models held against captures of `all` samples, torques up to `peak`.
- * @typedef {{unit: string, peak: number, coordinate: "rotary" | "linear", noise: number | null, all: number,
- *   steps: ShownStep[]}} Shown
+ *
+ * `titles` are those of all effects.
+ * @typedef {{unit: string, peak: number, coordinate: "rotary" | "linear", noise: number | null,
+ *   titles: Record<string, string>, all: number, steps: ShownStep[]}} Shown
  */
 
 /**
@@ -216,15 +276,15 @@
 
 /**
  * The same where `n` of the samples are carried along.
- * @typedef {{unit: string, peak: number, coordinate: "rotary" | "linear", noise: number | null, all: number,
- *   steps: ShownStep[], n: number}} Head
+ * @typedef {{unit: string, peak: number, coordinate: "rotary" | "linear", noise: number | null,
+ *   titles: Record<string, string>, all: number, steps: ShownStep[], n: number}} Head
  */
 
 /**
  * What a page holds in itself: columns, of each step its residual and what each candidate explains.
- * @typedef {{unit: string, peak: number, coordinate: "rotary" | "linear", noise: number | null, all: number,
- *   steps: ShownStep[], n: number, columns: Record<string, Packed>, residuals: Packed[],
- *   signatures: Record<string, Packed>[]}} Kept
+ * @typedef {{unit: string, peak: number, coordinate: "rotary" | "linear", noise: number | null,
+ *   titles: Record<string, string>, all: number, steps: ShownStep[], n: number, columns: Record<string, Packed>,
+ *   residuals: Packed[], signatures: Record<string, Packed>[]}} Kept
  */
 
 /**
@@ -239,8 +299,9 @@
 
 /**
  * The answer of `GET /api/sources`: what captures can be made of; names with words for them.
- * @typedef {{knobs: Knob[], effects: Record<string, string>, motions: Record<string, Record<string, string>>,
- *   no_emulated_rig: string | null, ports: FoundPort[], folder: string}} Sources
+ * @typedef {{knobs: Knob[], effects: Record<string, string>, titles: Record<string, string>,
+ *   motions: Record<string, Record<string, string>>, no_emulated_rig: string | null, ports: FoundPort[],
+ *   folder: string}} Sources
  */
 
 /**

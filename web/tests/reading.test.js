@@ -3,7 +3,10 @@ import { test } from "node:test";
 
 import { beyondWords, mostLimits, mostReach } from "../src/outliers.js";
 import { ticks } from "../src/numbers.js";
+import { known } from "../src/names.js";
 import { plainly } from "../src/verdict.js";
+
+const KNOB = /** @type {const} */ ({ unit: "N m", peak: 0.02, coordinate: "rotary" });
 
 test("an axis always has two ticks at least, for one is no scale", () => {
   for (let span = 1; span < 10; span += 0.01) {
@@ -32,12 +35,19 @@ test("what is there at every reversal is no outlier, and nothing at all has no r
 });
 
 test("a verdict begins with what is missing in plain words, and with what to do next", () => {
-  const row = { could_be: true, said: "missing", name: "there are detents", effect: "detent", error_fall: 0.6, equivalent: [] };
-  assert.equal(plainly({ ready: true, rows: [row] }), "Missing: there are detents (detent), which takes 60 % off the error. Add it, and see what is left.");
-  const tied = plainly({ ready: true, rows: [{ ...row, equivalent: ["unbalance"] }] });
-  assert.match(tied, /Tell apart designs what to record next/);
-  assert.equal(plainly({ ready: false, rows: [row] }), "");
-  assert.equal(plainly({ ready: true, rows: [{ ...row, could_be: false }] }), "");
+  const row = { could_be: true, said: ["missing"], name: "there are detents", effect: "detent", error_fall: 0.6, equivalent: [] };
+  known({ titles: { position_polynomial: "smooth torque over position" } });
+  /** @type {string[]} */
+  const led = [];
+  const to = /** @type {any} */ ({ add: (/** @type {string} */ one) => led.push(one), apart: (/** @type {string[]} */ all) => led.push(all.join()) });
+  const said = (/** @type {any} */ candidates) => plainly(candidates, KNOB, to).map((part) => (typeof part === "string" ? part : part.words)).join("");
+  assert.equal(said({ ready: true, rows: [row] }), "Missing: there are detents (detent), which takes 60 % off the error. Add it, and see what is left.");
+  const tied = { ready: true, rows: [{ ...row, equivalent: ["position_polynomial"] }] };
+  assert.match(said(tied), /looks the same with smooth torque over position: .* Tell apart designs what to record next/);
+  for (const part of plainly(/** @type {any} */ (tied), KNOB, to)) if (typeof part === "object" && /Add|Tell/.test(part.words)) part.go();
+  assert.deepEqual(led, ["detent", "detent,position_polynomial"]);
+  assert.equal(said({ ready: false, rows: [row] }), "");
+  assert.equal(said({ ready: true, rows: [{ ...row, could_be: false }] }), "");
 });
 
 test("a torque's axis is that of all but a few samples that would have half of it alone", () => {
@@ -68,10 +78,10 @@ test("captures whose names begin alike are told apart by how they end", async ()
 test("a note that is the same of all captures is said once", async () => {
   globalThis.location = /** @type {any} */ ({ search: "" });
   const { alikeInAll } = await import("../src/captures.js");
-  const note = { text: "note: columns", note: true, seen: false };
-  const other = { text: "note: time", note: true, seen: true };
+  const note = { said: ["columns"], severity: "note", overruled: false, seen: false };
+  const other = { said: ["time"], severity: "note", overruled: false, seen: true };
   const captures = /** @type {any[]} */ ([{ findings: [note, other] }, { findings: [other, note] }]);
-  assert.deepEqual([...alikeInAll(captures).keys()], ["note: columns"]);
+  assert.deepEqual([...alikeInAll(captures).values()], [note]);
   assert.equal(alikeInAll([...captures, /** @type {any} */ ({ findings: [] })]).size, 0);
   assert.equal(alikeInAll(captures.slice(1)).size, 0);
 });

@@ -327,6 +327,7 @@ fn row(py: Python<'_>, id: Id, axis: Axis) -> PyResult<Bound<'_, PyDict>> {
     row.set_item("confused", info.confused)?;
     row.set_item("needs", info.needs)?;
     row.set_item("describes", info.describes)?;
+    row.set_item("title", info.words.title)?;
     row.set_item("name", info.words.name)?;
     row.set_item("about", info.words.about)?;
     row.set_item("causes", info.words.causes)?;

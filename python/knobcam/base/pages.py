@@ -1,11 +1,14 @@
 """What the pages are told, as JSON: one schema for Python, which writes it, and for `web/`, which reads it.
 
-`python3 dev.py page` makes `web/src/types.js` of it and of `pages_sources.py`, the other half.
+`python3 dev.py page` makes `web/src/types.js` of it, of `pages_said.py` and of `pages_sources.py`.
 A number that may be none (NaN) is `float | None`, as JSON has null for it. Torques in N m, or forces in N
 on a linear axis; all else in SI too.
 """
 
 from typing import Literal, TypedDict
+
+from .pages_left import Curve, Surface
+from .pages_said import Advice, Along, Part
 
 Word = Literal["missing", "part", "alike", "less", "implausible", "too_little", "unpaid", "chance", "untold"]
 """What is said of an effect that could be missing; those first that speak most for it."""
@@ -14,12 +17,13 @@ Word = Literal["missing", "part", "alike", "less", "implausible", "too_little", 
 class Finding(TypedDict):
     """What the quality check found in a capture, and whether a person has `overruled` it, by its `key`.
 
-    `stands` is why nobody can, `seen` whether it names samples; a `note` changes nothing.
+    `stands` is why nobody can, `seen` whether it names samples; a "note" changes nothing.
     """
 
     key: str
-    text: str
-    note: bool
+    said: list[Part]
+    advice: Advice | None
+    severity: Literal["note", "masked", "mended", "warning"]
     overruled: bool
     stands: str
     seen: bool
@@ -78,7 +82,7 @@ class Param(TypedDict):
     lower: float | None
     upper: float | None
     meaning: str
-    doubt: str | None
+    doubt: list[Part] | None
 
 
 class Together(TypedDict):
@@ -97,6 +101,7 @@ class Effect(TypedDict):
     source: str
     shows: str
     confused: list[str]
+    title: str
     name: str
     about: str
     causes: list[str]
@@ -117,7 +122,7 @@ class Candidate(Effect):
     """An effect that could be missing, with what speaks for it and against it; `said` is `word` in words."""
 
     word: Word
-    said: str
+    said: list[Part]
     could_be: bool
     beyond_chance: bool
     p_value: float
@@ -134,7 +139,7 @@ class Unexplained(TypedDict):
 
     axis: str
     share: float
-    hint: str
+    hint: list[Part]
 
 
 class Candidates(TypedDict):
@@ -154,20 +159,6 @@ class Law(LadderStep):
     start: str
 
 
-class Curve(TypedDict):
-    """What no effect explains over a variable, as a factor of `times`, and half the width of its 95 % band.
-
-    Null where the motion hardly went. `laws`: each law in their order, null for one that is not drawn.
-    """
-
-    over: str
-    times: str
-    x: list[float]
-    value: list[float | None]
-    band: list[float | None]
-    laws: list[list[float | None] | None]
-
-
 class Job(TypedDict):
     """What is being done; `done` from 0 to 1, null while nobody can tell."""
 
@@ -180,7 +171,7 @@ class Job(TypedDict):
 class Pair(TypedDict):
     """Two rivals: D that a motion promises, that of the best standard one, and what came (null: not yet)."""
 
-    names: tuple[str, str]
+    names: tuple[list[Part], list[Part]]
     d: float
     standard_d: float
     wrong_choice: float
@@ -199,13 +190,14 @@ class HandStep(TypedDict):
 class Experiment(TypedDict):
     """A motion that tells rivals apart from D = `told` on; `verdict` is what its recording `capture` told.
 
-    Of one rival alone it makes a parameter known better.
-    `source` is what it can be recorded from at once, in words.
+    Of one rival alone it makes a parameter known better. `headline` is what it `promises` and how it moves,
+    `source` what it can be recorded from at once, in words.
     """
 
     id: str
-    rivals: list[str]
-    headline: str
+    rivals: list[list[Part]]
+    promises: list[Part]
+    headline: list[Part]
     separable: bool
     seconds: float
     limits: dict[str, float]
@@ -215,24 +207,11 @@ class Experiment(TypedDict):
     steps: list[HandStep]
     source: str | None
     capture: str | None
-    verdict: str | None
+    verdict: list[Part] | None
 
-
-Along = Literal["position", "velocity", "acceleration", "load", "history", "time", "frequency"]
-"""What torques and residuals are drawn over; every sample has a value of it, but of frequency."""
 
 USUAL: tuple[Along, ...] = ("position", "velocity", "time")
 """What they are drawn over before a person chooses."""
-
-
-class Place(TypedDict):
-    """Where a model fails, in `words` of a verdict; moving forward (1), backward (-1) or both ways (0)."""
-
-    words: str
-    axis: Along
-    low: float
-    high: float
-    direction: int
 
 
 class Split(TypedDict):
@@ -259,7 +238,8 @@ class Splits(TypedDict):
 class Session(TypedDict):
     """What a session has; before the first capture there is no node, `proposed` is null until it is asked.
 
-    Of the effects in each of `untold` one is in the model, not known which. `peak` is the largest torque.
+    Of the effects in each of `untold` one is in the model, not known which. `peak` is the largest torque,
+    `titles` those of all effects.
     """
 
     schema: str
@@ -276,17 +256,18 @@ class Session(TypedDict):
     together: list[Together]
     rmse: float | None
     rmse_heldout: float | None
-    verdict_text: str
-    places: list[Place]
+    verdict: list[Part]
     ladder: list[LadderStep]
     candidates: Candidates
     warnings: list[str]
     limitations: list[str]
+    titles: dict[str, str]
     absent: list[Effect]
     untold: list[list[str]]
     proposed: list[Law] | None
-    proposed_text: str
+    proposed_said: list[Part]
     curve: Curve | None
+    surface: Surface | None
     experiment: Experiment | None
 
 
@@ -364,12 +345,16 @@ class ShownStep(TypedDict):
 
 
 class Shown(TypedDict):
-    """What linked plots show: models held against captures of `all` samples, torques up to `peak`."""
+    """What linked plots show: models held against captures of `all` samples, torques up to `peak`.
+
+    `titles` are those of all effects.
+    """
 
     unit: str
     peak: float
     coordinate: Literal["rotary", "linear"]
     noise: float | None
+    titles: dict[str, str]
     all: int
     steps: list[ShownStep]
 

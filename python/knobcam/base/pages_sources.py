@@ -26,6 +26,7 @@ class Sources(TypedDict):
 
     knobs: list[Knob]
     effects: dict[str, str]
+    titles: dict[str, str]
     motions: dict[str, dict[str, str]]
     no_emulated_rig: str | None
     ports: list[FoundPort]

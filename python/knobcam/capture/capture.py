@@ -18,6 +18,7 @@ from ..base.arrays import BoolArray, FloatArray, truths, vector
 from ..base.door import check as check_kind
 from ..base.door import checked
 from ..base.renamed import renamed
+from ..base.said import said
 from ..base.tables import TextTable
 from ..errors import InputError
 from . import saved
@@ -175,7 +176,7 @@ class Capture(showing.Tabled):
         if not self.clipped:
             return self
         kept = [
-            replace(one, severity="note", message=one.message.partition("; masked")[0] + "; counted")
+            replace(one, severity="note", found=said("{found}; counted", found=one.found), advice=None)
             if one.kind == "clipped"
             else one
             for one in self.findings

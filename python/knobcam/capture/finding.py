@@ -9,6 +9,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ..base.said import Advice, Said, joined
+
 Severity = Literal["note", "masked", "mended", "warning"]
 Rows = NDArray[np.int64]
 
@@ -23,6 +25,12 @@ _STANDS = {
     "backward": "a clock that goes back cannot be computed with",
     "duplicate": "a clock that stands cannot be computed with",
 }
+OVERRULED = {
+    True: "overruled, so nothing was done about it: ",
+    False: "overruled, so nothing is to be done about ",
+}
+"""How what a person overruled begins: what was found, and what was not looked for yet."""
+
 _DONE = {"masked": "masked", "mended": "mended", "note": "none", "warning": "none"}
 
 
@@ -33,15 +41,29 @@ class Finding:
     Rows are data rows of the file, from 1. `severity`: "masked" took samples out of use, "mended" changed
     what the evidence left no doubt about, "warning" should be looked at before trusting a fit, "note" is
     worth knowing. One that is `overruled` by a person changed nothing; it is a note.
+    `found` is what was found, in words, and `advice` what could be done.
     """
 
     kind: str
     column: str
     count: int
     spans: tuple[tuple[int, int], ...]
-    message: str
+    found: Said
     severity: Severity
+    advice: Advice | None = None
     overruled: bool = False
+
+    @property
+    def told(self) -> Said:
+        """What was found in a sentence, and that a person has overruled it."""
+        return Said(OVERRULED[self.count > 0], self.found) if self.overruled else self.found
+
+    @property
+    def message(self) -> Said:
+        """The same with what was done about it, and what could be."""
+        if self.overruled:
+            return self.told
+        return joined("; ", (self.told, "masked" if self.severity == "masked" else "", self.advice))
 
     @property
     def key(self) -> str:
@@ -55,8 +77,7 @@ class Finding:
 
     def over(self) -> Finding:
         """Return it as a person has overruled it."""
-        message = f"overruled, so nothing was done about it: {self.message}"
-        return replace(self, message=message, severity="note", overruled=True)
+        return replace(self, severity="note", overruled=True)
 
     @property
     def rows(self) -> tuple[int, ...]:
@@ -72,6 +93,9 @@ class Finding:
             "count": self.count,
             "rows": [list(span) for span in self.spans],
             "message": self.message,
+            "found": self.found.document(),
+            "advice": str(self.advice or ""),
+            "way": self.advice.way if self.advice else "",
             "done": _DONE[self.severity],
             "severity": self.severity,
             "overruled": self.overruled,

@@ -11,6 +11,7 @@ from .. import _core
 from ..base import showing
 from ..base.arrays import runs
 from ..base.door import checked
+from ..base.said import Advice, OfColumn, said
 from ..errors import InputError
 from . import run
 from .finding import Finding, spans
@@ -266,11 +267,14 @@ def _strays(core: _core.Signals, t: FloatArray, rows: Rows) -> list[Finding]:
         at = sorted(row for column, row in core.strays if column == name)
         if at:
             times = ", ".join(f"{t[row]:.6g}" for row in at[:_NAMED]) + (", ..." if len(at) > _NAMED else "")
-            message = (
-                f"{name}: {len(at)} readings are of no motion beside all the others (at t = {times} s); "
-                "left out of the motion"
+            stray = said(
+                "{name}: {count} readings are of no motion beside all the others (at {t} = {times} s); left "
+                "out of the motion",
+                name=OfColumn(name),
+                count=len(at),
+                times=times,
             )
-            found.append(Finding("spike", name, len(at), spans(rows[at]), message, "masked"))
+            found.append(Finding("spike", name, len(at), spans(rows[at]), stray, "masked"))
     return found
 
 
@@ -279,28 +283,36 @@ def _wrong(core: _core.Signals) -> list[Finding]:
     if core.incoherent is None:
         return []
     hz, edge_hz, times = core.incoherent
-    message = (
-        f"theta: above {hz:.3g} Hz the torque has nothing to do with the recorded motion, which would take "
-        f"{times:.2g} times as much: both are taken below, and the torque filter's edge is lowered from "
-        f"{edge_hz:.4g} Hz (torque_edge_hz= sets another)"
+    found = said(
+        "{theta}: above {hz:.3g} Hz the torque has nothing to do with the recorded motion, which would take "
+        "{times:.2g} times as much: both are taken below, and the torque filter's edge is lowered from "
+        "{edge:.4g} Hz",
+        hz=hz,
+        times=times,
+        edge=edge_hz,
     )
-    return [Finding("band", "theta", core.used, (), message, "mended")]
+    return [
+        Finding(
+            "band", "theta", core.used, (), found, "mended", Advice("torque_edge_hz= sets another", "command")
+        )
+    ]
 
 
 def _cut(capture: Capture, method: str, options: Mapping[str, float], core: _core.Signals) -> list[Finding]:
     """What the torque has that its filter takes off."""
     if core.ripple is None or not core.lost:
         return []
-    way = "log faster, or turn slower"
+    advice = Advice("log faster, or turn slower")
     if "torque_edge_hz" in options:
-        way = "raise torque_edge_hz, or leave it out"
+        advice = Advice("raise torque_edge_hz, or leave it out", "command")
     elif method == "paper":
-        way = "prepare by 'smooth', whose edge goes up"
-    message = (
-        f"tau: it has {waves(capture, core.ripple)}, and its filter's edge is at {core.edge_hz:.4g} Hz: what "
-        f"lies beyond is not fitted; {way}"
+        advice = Advice("prepare by 'smooth', whose edge goes up", "command")
+    found = said(
+        "{tau}: it has {waves}, and its filter's edge is at {edge:.4g} Hz: what lies beyond is not fitted",
+        waves=waves(capture, core.ripple),
+        edge=core.edge_hz,
     )
-    return [Finding("edge", "tau", core.used, (), message, "warning")]
+    return [Finding("edge", "tau", core.used, (), found, "warning", advice)]
 
 
 def waves(capture: Capture, ripple: tuple[float, float, float]) -> str:

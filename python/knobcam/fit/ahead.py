@@ -7,6 +7,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from .. import _core
+from ..base.said import OfEffect, said
 from ..capture.finding import Finding
 from ..model.effects import effect as catalogued
 from . import refit
@@ -81,18 +82,23 @@ def _found(fit: Fit) -> Finding | None:
     here = effect is not None
     effect = effect or next(one for one in _BOTH if _fitted(core, one))
     samples = sum(one.capture.samples for one in fit.prepared)
-    message = f"tau: stands {1e3 * _delay(core, effect):.3g} ms " + (
-        "before the motion that it makes, as a command does"
-        if effect == _AHEAD
-        else "after the motion that it makes"
+    after = "before the motion that it makes, as a command does"
+    found = said(
+        "{tau}: stands {ms:.3g} ms {where}",
+        ms=1e3 * _delay(core, effect),
+        where=after if effect == _AHEAD else "after the motion that it makes",
     )
+    named = OfEffect(effect)
     if here:
-        return Finding(
-            "late_column", "tau", samples, (), f"{message}: {effect} is fitted with the rest", "mended"
-        )
-    fall = 100.0 * (1.0 - core.rmse / fit.rmse)
-    message += f"; that takes {fall:.2g} % off the error and moves what was fitted: add {effect}"
-    return Finding("late_column", "tau", samples, (), message, "warning")
+        found = said("{found}: {effect} is fitted with the rest", found=found, effect=named)
+        return Finding("late_column", "tau", samples, (), found, "mended")
+    found = said(
+        "{found}; that takes {fall:.2g} % off the error and moves what was fitted: add {effect}",
+        found=found,
+        fall=100.0 * (1.0 - core.rmse / fit.rmse),
+        effect=named,
+    )
+    return Finding("late_column", "tau", samples, (), found, "warning")
 
 
 @cache

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+from ..base.said import Said, Topic, said
 from ..capture.prepare import waves
 
 if TYPE_CHECKING:
@@ -17,8 +18,10 @@ class Beyond(NamedTuple):
     axis: str
     share: float
 
-    def __str__(self) -> str:
-        return f"Not weighed: {self.words}."
+    @property
+    def sentence(self) -> Said:
+        """It in a sentence."""
+        return said("{head}: {words}.", head=Topic("Not weighed", "findings"), words=self.words)
 
 
 def incoherent(fit: Fit) -> bool:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from .. import _core
 from ..base import showing
 from ..base.door import checked
+from ..base.said import OfAxis, Said, Stretch, Topic, number, said
 from ..base.tables import TextTable, text_table
 from . import origin
 from .described import names
@@ -34,7 +35,6 @@ _UNITS = {
 }
 # What any residual fills as well, whatever its cause, leads only with clearly more than the others.
 _WEIGHT = {"frequency": RULE.frequency_leads, "time": RULE.time_leads}
-_DIRECTIONS = {1: "forward", -1: "backward", 0: ""}
 
 
 class Figures(NamedTuple):
@@ -113,13 +113,12 @@ class Split:
             return 0.0
         return float((self.count * self.mean**2).sum()) / squares
 
-    def where(self) -> str:
+    def where(self) -> Said:
         """The worst region in words."""
         if not self.fails:
-            return "nowhere beyond chance"
+            return Said("nowhere beyond chance")
         worst = self.regions[0]
-        side = f" {_DIRECTIONS[worst.direction]}" if worst.direction else ""
-        return f"{worst.start:.4g} to {worst.end:.4g} {self.unit}{side}"
+        return Said(Stretch(self.axis, worst.start, worst.end, self.unit, worst.direction))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -194,28 +193,39 @@ class Comparison(showing.Tabled):
         return origin.in_words(self.fit.model, self.fit.prepared, names(self.fit.prepared))
 
     @property
-    def summary(self) -> str:
+    def summary(self) -> Said:
         """How large the error is, what noise leaves of it, and where it shows."""
         fit, unit = self.fit, self.fit.torque_unit
-        explained, relative = 100.0 * self.figures.explained, 100.0 * self.figures.relative
-        head = f"RMS error {fit.rmse:.4g} {unit}, {explained:.1f} % of the variance explained, "
-        head += f"relative error {relative:.3g} %"
+        head = said(
+            "{error} {rmse}, {explained} of the variance explained, relative error {relative}",
+            error=Topic("RMS error", "error"),
+            rmse=number(fit.rmse, unit),
+            explained=number(100.0 * self.figures.explained, "%", ".1f"),
+            relative=number(100.0 * self.figures.relative, "%", ".3g"),
+        )
         if self.exact:
-            return f"{head}; what is left is rounding."
+            return said("{head}; what is left is rounding.", head=head)
         if math.isnan(fit.noise_floor):
-            return f"{head}; {unheard(fit).why}."
+            return said("{head}; {why}.", head=head, why=unheard(fit).why)
         if fit.noise_floor == 0.0:
-            return f"{head}; the torque has no noise, so nothing of what is left is chance."
-        times = fit.rmse / fit.noise_floor
-        floor = f"times the noise floor of {fit.noise_floor:.4g} {unit}"
+            return said("{head}; the torque has no noise, so nothing of what is left is chance.", head=head)
+        times, floor = fit.rmse / fit.noise_floor, number(fit.noise_floor, unit)
         if self.complete:
-            return f"{head}: {times:.3f} {floor}, and chance explains it."
+            end = "{head}: {times:.3f} times the noise floor of {floor}, and chance explains it."
+            return said(end, head=head, times=times, floor=floor)
         if self.worst is None:
-            return f"{head}: {times:.3f} {floor}, and no axis shows where."
+            end = "{head}: {times:.3f} times the noise floor of {floor}, and no axis shows where."
+            return said(end, head=head, times=times, floor=floor)
         worst = self.worst
-        return (
-            f"{head}: {times:.2f} {floor}. It shows most along {worst.axis} "
-            f"({100 * worst.share:.0f} % of the excess), worst at {worst.where()}."
+        return said(
+            "{head}: {times:.2f} times the noise floor of {floor}. It shows most along {axis} ({share} of "
+            "the excess), worst at {where}.",
+            head=head,
+            times=times,
+            floor=floor,
+            axis=OfAxis(worst.axis),
+            share=number(100 * worst.share, "%", ".0f"),
+            where=worst.where(),
         )
 
     @cached_property

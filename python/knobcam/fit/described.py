@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..capture.finding import Finding
-from .plausible import REVERSED
+from .plausible import MINUS, OTHER_SIGN, REVERSED
 from .unheard import unheard
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def found(fit: Fit) -> list[dict[str, Any]]:
 def by_model(fit: Fit) -> list[Finding]:
     """Return what was found by what the model cannot be."""
     every = sum(one.capture.samples for one in fit.prepared)
-    reversed_ = Finding("sign", "tau", every, ((1, every),), REVERSED, "warning")
+    reversed_ = Finding("sign", "tau", every, ((1, every),), OTHER_SIGN, "warning", MINUS)
     return [one for one in (reversed_ if fit.log_fault == REVERSED else None, fit.ahead) if one]
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from .. import _core
 from ..base import pages, showing
 from ..base.door import checked
+from ..base.said import Said, joined
 from ..base.tables import TextTable, text_table
 from ..errors import InputError
 from ..model.effects import clipping, descriptions, effects
@@ -55,7 +56,7 @@ class Candidate:
     implausible: tuple[str, ...] = ()
     note: str = ""
     word: pages.Word = "untold"
-    said: str = ""
+    said: Said = field(default_factory=Said)
 
     @property
     def unphysical(self) -> tuple[str, ...]:
@@ -139,7 +140,7 @@ class Candidate:
         return {
             **self._row.document(),
             "word": self.word,
-            "said": self.said,
+            "said": self.said.document(),
             "could_be": self.could_be,
             "beyond_chance": self.beyond_chance,
             "p_value": self.p_value,
@@ -156,7 +157,7 @@ class Candidate:
         params = documented(self.fit.params)
         own = {name: params[name] for name in self.parameters}
         older = {"unphysical": list(self.implausible)}  # its name until now, for one version
-        return {**self.evidence(), **older, "rmse": self.rmse, "params": own}
+        return {**self.evidence(), **older, "said": self.said, "rmse": self.rmse, "params": own}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -207,7 +208,8 @@ class Diagnosis(showing.Tabled):
             either = " or ".join([self.best.effect, *self.best.equivalent])
             head = "Missing first of all" if self.best.word == "missing" else "A part of what is missing"
             what = f"{head}: {either} (error {percent(-self.best.error_fall)})."
-        return f"{self.comparison.summary} {what} {self.fit.beyond or ''}".rstrip()
+        beyond = self.fit.beyond
+        return joined(" ", (self.comparison.summary, what, beyond and beyond.sentence))
 
     @property
     def _nothing(self) -> str:

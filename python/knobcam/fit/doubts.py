@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .. import _core
+from ..base.said import OfParam, said
 from ..capture.formats.units import VOLTAGES
 from ..model.effects import base_effects
 from .plausible import REVERSED, torque_of
@@ -26,6 +27,7 @@ def at_floor(fit: Fit) -> bool:
 def doubts(fit: Fit) -> tuple[str, ...]:
     """Return what makes the values of a fit doubtful, a sentence each."""
     negative = below_zero(fit)
+    found: list[str]
     if fit.log_fault == REVERSED:
         found = [REVERSED]
     else:
@@ -34,7 +36,8 @@ def doubts(fit: Fit) -> tuple[str, ...]:
             if at_floor(fit)
             else "an effect is probably missing"
         )
-        found = [f"{name} is negative, which no real knob has: {why}" for name in negative]
+        words = "{name} is negative, which no real knob has: {why}"
+        found = [said(words, name=OfParam(name), why=why) for name in negative]
     alike = [signals for signals in fit.prepared if _moves_like_a_spring(signals)]
     if alike and len(alike) == len(fit.prepared) and fit.model.core.at_rest()[0] != 0.0:
         found.append(

@@ -9,6 +9,7 @@ import numpy as np
 
 from .. import _core
 from ..base.arrays import FloatArray
+from ..base.said import Advice, Said, joined, said
 from ..model.effects import base_effects, effects
 from .power import gives_back
 from .refit import cores
@@ -47,7 +48,9 @@ def implausible(candidate: Candidate, before: Fit) -> tuple[str, ...]:
     )
 
 
-REVERSED = "tau has the other sign: inertia and friction came out negative; map it with a minus"
+OTHER_SIGN = said("{tau} has the other sign: inertia and friction came out negative")
+MINUS = Advice("map it with a minus", "minus")
+REVERSED = joined("; ", (OTHER_SIGN, MINUS))
 
 
 def reversed_torque(fit: Fit) -> bool:
@@ -140,12 +143,12 @@ def _friction_power(fit: Fit) -> tuple[float, float]:
     return float(power), float(np.sqrt(max((slopes * se) @ joint @ (slopes * se), 0.0)))
 
 
-def log_fault(fit: Fit) -> str | None:
+def log_fault(fit: Fit) -> Said | None:
     """Return what is wrong with the log, so that no model of it is one of the knob; None where nothing is."""
     return REVERSED if reversed_torque(fit) else columns_at_fault(fit.prepared)
 
 
-def columns_at_fault(prepared: Sequence[Prepared]) -> str | None:
+def columns_at_fault(prepared: Sequence[Prepared]) -> Said | None:
     """Return what is wrong with the columns of a log, whatever the model; None where nothing is."""
     found = (finding for one in prepared for finding in one.capture.findings)
     return next((one.message for one in found if one.kind in _FAULTS and one.severity == "warning"), None)

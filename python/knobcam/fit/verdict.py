@@ -13,6 +13,7 @@ import numpy as np
 
 from .. import _core
 from ..base.pages import Word
+from ..base.said import OfEffect, said
 from .doubts import at_floor, below_zero
 from .rule import RULE
 
@@ -90,7 +91,7 @@ def judged(comparison: Comparison, candidates: Collection[Candidate]) -> tuple[C
         replace(
             one,
             word=word,
-            said=_WORDS[word].format(chosen=chosen),
+            said=said(_WORDS[word], chosen=OfEffect(chosen)),
             equivalent=tuple(several[at].effect for at in alike),
         )
         for one, (word, alike) in zip(several, told, strict=True)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..base.said import number, said
 from ..capture import run
 from ..capture.finding import Finding
 from ..capture.prepare import prepare
@@ -226,10 +227,11 @@ def _shifted(prepared: Prepared, by: float | None) -> Prepared:
         return prepared
     capture = prepared.capture
     unit = "rad" if capture.coordinate == "rotary" else "m"
-    message = (
-        f"theta: counted from elsewhere than in the first capture: {by:.5g} {unit} were added, with which "
-        "torque over position is the same"
+    found = said(
+        "{theta}: counted from elsewhere than in the first capture: {by} were added, with which torque over "
+        "position is the same",
+        by=number(by, unit, ".5g"),
     )
-    finding = Finding("origin", "theta", capture.samples, (), message, "mended")
+    finding = Finding("origin", "theta", capture.samples, (), found, "mended")
     moved = replace(capture, theta=capture.theta + by, findings=(*capture.findings, finding))
     return prepare(run.same(moved, capture), prepared.method, **prepared.options)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..base import showing
+from ..base.said import OfParam, Said, joined, said
 from ..base.tables import TextTable, text_table
 from ..capture.motion_plan import MotionPlan
 from ..capture.motions import MotionTrack
@@ -79,29 +80,49 @@ class Experiment(showing.Tabled):
         return bool(self.sharpened) or any(one.d >= TOLD for one in self.expected)
 
     @property
-    def headline(self) -> str:
-        """What the motion would tell, in a sentence."""
+    def promise(self) -> Said | None:
+        """What the motion would tell, without how it moves; None where it tells nothing."""
         if self.sharpened:
             one = self.sharpened[0]
-            return (
-                f"{one.param} would be known {one.before / one.after:.3g} times as well after "
-                f"{self.seconds:.3g} s: {self.plan.about}."
+            return said(
+                "{param} would be known {times:.3g} times as well after {seconds:.3g} s",
+                param=OfParam(one.param),
+                times=one.before / one.after,
+                seconds=self.seconds,
             )
-        said = []
-        if told := [one for one in self.expected if one.d >= TOLD]:
-            worst = min(told, key=lambda one: one.d)
-            said.append(
-                f"{self.seconds:.3g} s tell {self._names(worst)} apart "
-                f"(the wrong one is chosen in {_percent(worst.wrong_choice)}): {self.plan.about}."
-            )
-        if not self.separable:
-            worst = min(self.expected, key=lambda one: one.d)
-            words = f"No runnable motion within these limits tells {self._names(worst)} apart: D is"
-            said.append(f"{words} {worst.d:.3g} at most{self._changed()}")
-        return " ".join(said)
+        told = [one for one in self.expected if one.d >= TOLD]
+        if not told:
+            return None
+        worst = min(told, key=lambda one: one.d)
+        return said(
+            "{seconds:.3g} s tell {names} apart (the wrong one is chosen in {wrong})",
+            seconds=self.seconds,
+            names=self._names(worst),
+            wrong=_percent(worst.wrong_choice),
+        )
 
-    def _names(self, one: Expected) -> str:
-        return " and ".join(self.rivals[i].name for i in one.pair)
+    @property
+    def untold(self) -> Said | None:
+        """Which of the rivals no motion tells apart; None where one does."""
+        if self.sharpened or self.separable:
+            return None
+        worst = min(self.expected, key=lambda one: one.d)
+        return said(
+            "No runnable motion within these limits tells {names} apart: D is {d:.3g} at most{changed}",
+            names=self._names(worst),
+            d=worst.d,
+            changed=self._changed(),
+        )
+
+    @property
+    def headline(self) -> Said:
+        """What the motion would tell, and how it moves, in a sentence."""
+        promise = self.promise
+        whole = promise and said("{promise}: {about}.", promise=promise, about=self.plan.about)
+        return joined(" ", (whole, self.untold))
+
+    def _names(self, one: Expected) -> Said:
+        return joined(" and ", (self.rivals[i].name for i in one.pair))
 
     def _changed(self) -> str:
         if self.change is None:

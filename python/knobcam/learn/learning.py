@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from ..base import showing
 from ..base.door import checked
+from ..base.said import Advice, OfAxis, Said, joined, number, said
 from ..base.tables import TextTable, text_table
 from ..capture import Capture
 from ..fit import Fit
@@ -124,9 +125,10 @@ class LearningResult(showing.Tabled):
         return self.last.comparison
 
     @property
-    def headline(self) -> str:
+    def headline(self) -> Said:
         """The verdict in one sentence, and in others what it may be wrong by and what was left out of it."""
-        return " ".join(filter(None, (self._judged, self._in_doubt, str(self.fit.beyond or ""))))
+        beyond = self.fit.beyond
+        return joined(" ", (self._judged, self._in_doubt, beyond and beyond.sentence))
 
     @property
     def _in_doubt(self) -> str:
@@ -138,55 +140,66 @@ class LearningResult(showing.Tabled):
         return f"Beside that {doubt}." if doubt else ""
 
     @property
-    def _judged(self) -> str:
-        names = " and ".join(with_ties(self.found, self.ladder))
+    def _judged(self) -> Said:
+        names = joined(" and ", with_ties(self.found, self.ladder))
         what = self.unexplained
+
+        def head(beside: str, alone: str) -> Said:
+            """How a sentence begins, beside what was found or alone."""
+            return said(f"{{names}} found{beside}", names=names) if names else Said(alone)
+
         beyond = what is not None and self.fit.beyond is not None and what.hint == self.fit.beyond.words
         if self.cut is not None:
-            found = f"{names} found; whether" if names else "Whether"
-            more = " more" if names else ""
-            return f"{found} anything{more} is missing is not known: {self.cut.words}."
+            whether = head("; whether anything more", "Whether anything")
+            return said("{whether} is missing is not known: {why}.", whether=whether, why=self.cut.words)
         if what is not None and not beyond:
+            share, along = number(100.0 * what.share, "%", ".0f"), OfAxis(what.axis)
             if (fault := self.fit.log_fault) is not None:
-                return f"The log or its map is to be mended first, until then it tells nothing: {fault}."
+                said_so = "The log or its map is to be mended first, until then it tells nothing: {fault}."
+                return said(said_so, fault=fault)
             if math.isnan(self.noise_floor):
-                return (
+                return said(
                     "Whether anything is missing cannot be told: these samples do not show how much of the "
-                    f"error is noise; {100.0 * what.share:.0f} % of it lies along {what.axis}."
+                    "error is noise; {share} of it lies along {along}.",
+                    share=share,
+                    along=along,
                 )
             if what.hint == self.fit.impossible:
-                found = f"{names} found; the" if names else "The"
-                return (
-                    f"{found} model leaves chance alone, but {what.hint}: it is not this knob's. Look for "
-                    "swapped columns, signs, units and parts that belong to another run (--start, --end)."
+                return said(
+                    "{the} model leaves chance alone, but {hint}: it is not this knob's. Look for swapped "
+                    "columns, signs, units and parts that belong to another run{how}.",
+                    the=head("; the", "The"),
+                    hint=what.hint,
+                    how=Advice(" (--start, --end)", "command"),
                 )
             if incoherent(self.fit):
-                found = f"{names} found; what" if names else "What"
-                return (
-                    f"{found} is left, {100.0 * what.share:.0f} % of it along {what.axis} ({what.hint}), "
-                    "cannot be told from errors of the recorded motion."
+                return said(
+                    "{what} is left, {share} of it along {along} ({hint}), cannot be told from errors of the "
+                    "recorded motion.",
+                    what=head("; what", "What"),
+                    share=share,
+                    along=along,
+                    hint=what.hint,
                 )
-            head = f"{names} found, and still something" if names else "Something"
-            if self.after.complete:
-                return (
-                    f"{head} is missing that no single effect of the catalogue explains: "
-                    f"{100.0 * what.share:.0f} % of the error lies along {what.axis} ({what.hint}); "
-                    "with these the rest is chance."
-                )
-            return (
-                f"{head} is missing that no effect of the catalogue explains: {100.0 * what.share:.0f} % of "
-                f"the remaining error lies along {what.axis} ({what.hint})."
+            template = (
+                "{something} is missing that no single effect of the catalogue explains: {share} of the "
+                "error lies along {along} ({hint}); with these the rest is chance."
+                if self.after.complete
+                else "{something} is missing that no effect of the catalogue explains: {share} of the "
+                "remaining error lies along {along} ({hint})."
             )
+            something = head(", and still something", "Something")
+            return said(template, something=something, share=share, along=along, hint=what.hint)
         if names:
             was, it = ("was", "it") if len(self.found) == 1 else ("were", "them")
             rest = "what else passes the torque filter" if beyond else "the rest"
             if not self.after.complete:
-                share = math.sqrt(max(self.fit.excess, 0.0) / explained(self.fit))
-                rest = f"{rest}, beside {100.0 * share:.1f} % by which a law may be off,"
-            return f"{names} {was} missing; with {it} {rest} is chance."
+                off = math.sqrt(max(self.fit.excess, 0.0) / explained(self.fit))
+                rest = f"{rest}, beside {100.0 * off:.1f} % by which a law may be off,"
+            return said(f"{{names}} {was} missing; with {it} {rest} is chance.", names=names)
         if beyond:
-            return "Nothing is missing of what passes the torque filter: chance explains that."
-        return "Nothing is missing that this capture could show: chance explains the error."
+            return Said("Nothing is missing of what passes the torque filter: chance explains that.")
+        return Said("Nothing is missing that this capture could show: chance explains the error.")
 
     def propose(self, progress: Callable[[float], object] | None = None) -> Proposals:
         """Return laws for what no effect explains, the best first; none where nothing is left beyond chance.

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from .. import _core
 from ..base import showing
+from ..base.said import OfEffect, Said, joined, number, said
 from ..base.tables import TextTable, text_table
 from ..errors import InputError
 from ..fit.beyond import incoherent
@@ -139,16 +140,20 @@ class Proposals(showing.Tabled):
         return len(self.laws)
 
     @property
-    def headline(self) -> str:
+    def headline(self) -> Said:
         """What is proposed, in one sentence."""
         if not self.laws:
-            return f"No law is proposed: {self.why}."
-        first = self.laws[0]
-        beside = ", ".join(self.beside.model.effects)
-        return (
-            f"Beside {beside}, {first.label} would leave {first.rmse:.4g} of {self.beside.rmse:.4g} "
-            f"{self.beside.torque_unit} (noise alone {self.beside.noise_floor:.4g}); "
-            f"chance gives as much with p {p_in_words(self.p_value)}. It is proposed, not found."
+            return said("No law is proposed: {why}.", why=self.why)
+        first, unit = self.laws[0], self.beside.torque_unit
+        return said(
+            "Beside {beside}, {label} would leave {left} of {before} (noise alone {noise}); chance gives as "
+            "much with p {chance}. It is proposed, not found.",
+            beside=joined(", ", map(OfEffect, self.beside.model.effects)),
+            label=first.label,
+            left=number(first.rmse, unit),
+            before=number(self.beside.rmse, unit),
+            noise=number(self.beside.noise_floor, unit),
+            chance=p_in_words(self.p_value),
         )
 
     @cached_property

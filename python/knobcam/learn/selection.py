@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from .. import _core
+from ..base.said import said
 from ..capture.prepare import travel
 from ..fit.diagnose import Candidate, Diagnosis, absent, diagnose
 from ..fit.plausible import columns_at_fault
@@ -291,12 +292,13 @@ def _unexplained(comparison: Comparison) -> Unexplained | None:
     if math.isnan(comparison.fit.noise_floor):
         # No all-clear without it, however little is left.
         largest = max(comparison.splits, key=lambda split: split.mean_share)
-        return Unexplained(largest.axis, largest.mean_share, "no noise floor: chance cannot be told from it")
+        why = said("no noise floor: chance cannot be told from it")
+        return Unexplained(largest.axis, largest.mean_share, why)
     worst = comparison.worst or max(comparison.splits, key=lambda split: split.share)
-    hint = f"worst at {worst.where()}"
+    hint = said("worst at {where}", where=worst.where())
     axis = worst.axis
     if axis == "frequency":
         # A disturbance with a rhythm of its own is an event in time.
         axis = "time"
-        hint = f"a line at {0.5 * (worst.regions[0].start + worst.regions[0].end):.1f} Hz"
+        hint = said("a line at {hz:.1f} Hz", hz=0.5 * (worst.regions[0].start + worst.regions[0].end))
     return Unexplained(axis, worst.share, hint)

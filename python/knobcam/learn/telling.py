@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .. import _core
+from ..base.said import OfEffect, Said, joined
 from ..model import Model
 from ..model.effects import effects as catalogue
 from ..model.simulate import exact
@@ -47,9 +48,9 @@ class Rival:
     fit: Fit
 
     @property
-    def name(self) -> str:
+    def name(self) -> Said:
         """Return it for people."""
-        return " + ".join(self.effects) or "the base model alone"
+        return joined(" + ", map(OfEffect, self.effects)) or Said("the base model alone")
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from ..base.said import OfEffect, Said, joined, said
 from ..errors import InputError
 from ..fit.diagnose import diagnose
 from ..fit.doubts import at_floor
@@ -21,11 +22,18 @@ if TYPE_CHECKING:
     from .ladder import LearningStep
 
 
-def with_ties(found: Sequence[str], ladder: Sequence[LearningStep]) -> list[str]:
+def with_ties(found: Sequence[str], ladder: Sequence[LearningStep]) -> list[Said]:
     """Return what was found, each with what the captures cannot tell it from in brackets."""
     there = ladder[-1].fit.model.effects
     alike = {step.added: [one for one in step.equivalent if one not in there] for step in reversed(ladder)}
-    return [f"{one} (or {' or '.join(alike[one])})" if alike.get(one) else one for one in found]
+    return [_or(one, alike.get(one, ())) for one in found]
+
+
+def _or(found: str, alike: Sequence[str]) -> Said:
+    if not alike:
+        return Said(OfEffect(found))
+    others = joined(" or ", map(OfEffect, alike))
+    return said("{found} (or {others})", found=OfEffect(found), others=others)
 
 
 def told_again(

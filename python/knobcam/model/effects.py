@@ -52,11 +52,11 @@ class TakenUp(NamedTuple):
 class Effect(showing.Tabled):
     """An effect: where in the chain it acts, its law, its source, where it shows, and what looks like it.
 
-    `name` is what a person would say is there, `about` one sentence of what it is, `causes` and `remedies`
-    what usually brings it about and takes it away, `latex` its law for typesetting. `over` is what its
-    torque follows, a `map` a torque of position alone, `base` its part in the base model ("always", "where it
-    shows"); `unsearched` says why no motion can show that it is missing; one that `clips` predicts what a
-    sensor at its limit reads; `taken_up` names what others do as well.
+    `title` is what it is called in a list, `name` what a person would say is there, `about` one sentence of
+    what it is, `causes` and `remedies` what usually brings it about and takes it away, `latex` its law for
+    typesetting. `over` is what its torque follows, a `map` a torque of position alone, `base` its part in the
+    base model ("always", "where it shows"); `unsearched` says why no motion can show that it is missing; one
+    that `clips` predicts what a sensor at its limit reads; `taken_up` names what others do as well.
     """
 
     id: str
@@ -68,6 +68,7 @@ class Effect(showing.Tabled):
     confused: tuple[str, ...]
     needs: str | None
     describes: bool
+    title: str
     name: str
     about: str
     causes: tuple[str, ...]
@@ -106,6 +107,7 @@ class Effect(showing.Tabled):
             "source": self.source,
             "shows": self.shows,
             "confused": list(self.confused),
+            "title": self.title,
             "name": self.name,
             "about": self.about,
             "causes": list(self.causes),
@@ -141,6 +143,11 @@ def effects(coordinate: str = "rotary") -> dict[str, Effect]:
 @lru_cache(maxsize=2)  # one for each kind of axis, as the catalogue stands
 def _effects(coordinate: str, _version: int) -> dict[str, Effect]:
     return of_rows(_core.catalogue(coordinate))
+
+
+def titles(coordinate: str) -> dict[str, str]:
+    """Return what each effect of the catalogue is called in a list, by its id."""
+    return {one.id: one.title for one in effects(coordinate).values()}
 
 
 def of_rows(rows: Iterable[dict[str, Any]]) -> dict[str, Effect]:

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..base import pages
+from ..base.said import Said
+from ..model.effects import titles
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -51,7 +53,8 @@ def candidates(weighed: Diagnosis, unexplained: Unexplained | None) -> pages.Can
     """Return what a page lists of what was weighed."""
     rest: pages.Unexplained | None = None
     if unexplained is not None:
-        rest = {"axis": unexplained.axis, "share": unexplained.share, "hint": unexplained.hint}
+        hint = Said(unexplained.hint).document()
+        rest = {"axis": unexplained.axis, "share": unexplained.share, "hint": hint}
     return {
         "ready": True,
         "rows": [one.evidence() for one in weighed.candidates],
@@ -64,7 +67,8 @@ def steps(learned: LearningResult) -> tuple[Shown, ...]:
     """Return every step of a ladder, with what was weighed on it."""
     weighed = [*(step.diagnosis for step in learned.ladder[1:]), learned.last]
     left = [*(None for _ in learned.ladder[1:]), learned.unexplained]
-    labels = [f"+ {step.added}" if step.added else "first model" for step in learned.ladder]
+    called = titles(learned.model.coordinate)
+    labels = [f"+ {called[step.added]}" if step.added else "first model" for step in learned.ladder]
     fits = [step.fit for step in learned.ladder]
     return tuple(map(Shown, labels, fits, weighed, left))
 
@@ -77,6 +81,7 @@ def head(shown: Sequence[Shown]) -> pages.Shown:
         "peak": peak(last),
         "coordinate": last.model.coordinate,
         "noise": last.noise_floor,
+        "titles": titles(last.model.coordinate),
         "all": sum(one.capture.samples for one in last.prepared),
         "steps": [step.document() for step in shown],
     }

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, get_args
 from starlette.concurrency import run_in_threadpool
 
 from ..base import pages
+from ..base.pages_said import Along
 from ..errors import InputError
 from .answers import answered, finished
 from .bodies import flag, number, read_json, text, whole
@@ -67,8 +68,8 @@ def _looked(body: Mapping[str, Any]) -> pages.Looked:
     }
 
 
-def _axes(told: object) -> list[pages.Along]:
-    known, rows = get_args(pages.Along), len(pages.USUAL)
+def _axes(told: object) -> list[Along]:
+    known, rows = get_args(Along), len(pages.USUAL)
     if not isinstance(told, list) or len(told) != rows or not all(one in known for one in told):
         raise InputError(f"axes={told!r}: give {rows} of {', '.join(known)}")
     return told

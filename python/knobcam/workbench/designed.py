@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base import pages
+from ..base.said import OfParam, Said, joined, said
 from ..capture.by_hand import by_hand, hand_can
 from ..capture.motion_plan import MotionPlan
 from ..fit import fit
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from .session import Tell
 
 _SHOWN = 4000  # samples of a motion, which a page draws and a hand is led through
+_SENTENCES = ("promise", "headline", "verdict")
 
 
 @dataclass(frozen=True)
@@ -59,18 +61,19 @@ class Designed:
 
     id: str
     node: str
-    names: tuple[str, ...]
+    names: tuple[Said, ...]
     models: tuple[Model, ...]
     plan: MotionPlan
     limits: Limits
     white: float
-    headline: str
+    headline: Said
     separable: bool
     pairs: tuple[Pair, ...]
     capture: str | None = None
-    verdict: str | None = None
+    verdict: Said | None = None
     right: int | None = None
     known: Known | None = None
+    promise: Said | None = None
 
     def track(self) -> Any:
         """Return the motion at the rate of the captures."""
@@ -96,14 +99,15 @@ class Designed:
         steps = by_hand(self.plan, self.models[0].coordinate)
         return {
             "id": self.id,
-            "rivals": list(self.names),
-            "headline": self.headline,
+            "rivals": [one.document() for one in self.names],
+            "promises": (Said(self.promise, ".") if self.promise else self.headline).document(),
+            "headline": self.headline.document(),
             "separable": self.separable,
             "seconds": self.plan.seconds,
             "limits": self.limits.numbers,
             "pairs": [
                 {
-                    "names": (self.names[one.one], self.names[one.other]),
+                    "names": (self.names[one.one].document(), self.names[one.other].document()),
                     "d": one.d,
                     "standard_d": one.standard_d,
                     "wrong_choice": wrong_choice(one.d),
@@ -124,7 +128,7 @@ class Designed:
             ],
             "source": source,
             "capture": self.capture,
-            "verdict": self.verdict,
+            "verdict": None if self.verdict is None else self.verdict.document(),
         }
 
     def record(self) -> dict[str, Any]:
@@ -132,13 +136,16 @@ class Designed:
         told: dict[str, Any] = {one.name: getattr(self, one.name) for one in fields(self)}
         told |= {"models": [model.text() for model in self.models], "plan": self.plan.text()}
         told |= {"known": None if self.known is None else asdict(self.known)}
+        told |= {"names": [one.document() for one in self.names]}
+        told |= {name: told[name] and told[name].document() for name in _SENTENCES}
         return told | {"limits": asdict(self.limits), "pairs": [asdict(pair) for pair in self.pairs]}
 
     @classmethod
     def again(cls, told: Mapping[str, Any]) -> Designed:
         """Return what `record` told."""
         given = dict(told)
-        given["names"] = tuple(told["names"])
+        given["names"] = tuple(map(_sentence, told["names"]))
+        given |= {name: told[name] and _sentence(told[name]) for name in _SENTENCES if name in told}
         given["models"] = tuple(Model.parse(text) for text in told["models"])
         given["plan"] = MotionPlan.parse(told["plan"])
         given["limits"] = Limits(**told["limits"])
@@ -146,6 +153,11 @@ class Designed:
         known = told.get("known")  # which older journals do not have
         given["known"] = None if known is None else Known(**known)
         return cls(**given)
+
+
+def _sentence(told: str | list[Any]) -> Said:
+    """Return what a journal kept of a sentence; older ones have it as text."""
+    return Said(told) if isinstance(told, str) else Said.of(told)
 
 
 def rivals(story: LearningResult, names: Sequence[str]) -> list[str]:
@@ -191,6 +203,7 @@ def _kept(found: Experiment, node: str) -> Designed:
         found.separable,
         tuple(Pair(*one.pair, one.d, one.standard_d) for one in found.expected),
         known=next((Known(one.param, one.before) for one in found.sharpened), None),
+        promise=found.promise,
     )
 
 
@@ -213,20 +226,25 @@ def came(
     best = int(np.argmin(cost))
     others = [at for at in range(len(left)) if at != best]
     tied = [at for at in others if cost[at] - cost[best] <= RULE.alike]
-    words = [f"{kept.names[best]} explains all captures best"]
+    words = [said("{best} explains all captures best", best=kept.names[best])]
     for at in (one for one in others if one not in tied):
         more = left[at] - left[best]
         why = (
-            f"leaves {more:.3g} more" if more > RULE.alike else "explains too little more for its parameters"
+            f"leaves {more:.4g} more" if more > RULE.alike else "explains too little more for its parameters"
         )
-        words.append(f"{kept.names[at]} {why}")
-    words += [f"still not told from it: {', '.join(kept.names[at] for at in tied)}"] if tied else []
+        words.append(said("{name} {why}", name=kept.names[at], why=why))
+    if tied:
+        names = joined(", ", (kept.names[at] for at in tied))
+        words.append(said("still not told from it: {names}", names=names))
     pairs = tuple(replace(one, came=abs(left[one.one] - left[one.other])) for one in kept.pairs)
-    verdict = f"{'; '.join(words)}."
+    verdict = said("{words}.", words=joined("; ", words))
     # Who is best while something else is missing too may be so for what it takes of that.
     lacking = fits[best].noise_floor > 0.0 and not fits[best].compare().complete
     if lacking:
-        verdict += " None leaves only chance: something else is missing too, so add one and weigh again."
+        whole = (
+            "{verdict} None leaves only chance: something else is missing too, so add one and weigh again."
+        )
+        verdict = said(whole, verdict=verdict)
     right = None if tied or lacking else best
     return replace(kept, pairs=pairs, capture=name, verdict=verdict, right=right)
 
@@ -244,4 +262,5 @@ def _sharper(
     now = fit(captures, kept.models[0], **options).params[known.param]
     half = f"{now.value:.4g} ± {0.5 * (now.ci95[1] - now.ci95[0]):.2g} {now.unit}"
     times = f"{known.before / now.se:.3g} times as well as before" if now.se > 0.0 else "exactly"
-    return replace(kept, capture=name, verdict=f"{known.param} is known {times}: {half}.", right=0)
+    verdict = said("{param} is known {times}: {half}.", param=OfParam(known.param), times=times, half=half)
+    return replace(kept, capture=name, verdict=verdict, right=0)

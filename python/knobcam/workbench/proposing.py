@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
     from ..base import pages
     from ..base.arrays import FloatArray
+    from ..base.pages_left import Curve
     from ..fit import Estimate
     from ..learn.proposals import Proposal, Proposals
     from .bench import Bench
@@ -222,7 +223,7 @@ def document(found: Proposals | None) -> list[pages.Law] | None:
     return None if found is None else [_law(one, one in found.front) for one in found.laws]
 
 
-def curve(found: Proposals | None) -> pages.Curve | None:
+def curve(found: Proposals | None) -> Curve | None:
     """Return what is left as a curve with the laws on it; None where it is none, or was not looked for."""
     drawn = None if found is None else found.curve
     if found is None or drawn is None:

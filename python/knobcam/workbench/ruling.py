@@ -10,7 +10,6 @@ from ..capture import load
 from ..capture.quality.ruled import with_later
 from ..errors import InputError
 from ..fit.described import by_model
-from .plain import in_words
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -78,8 +77,9 @@ def document(opened: Opened, fit: Fit | None = None, at: int = 0) -> list[pages.
     return [
         {
             "key": one.key,
-            "text": in_words(one, opened.capture),
-            "note": one.severity == "note" and not one.overruled,
+            "said": one.told.document(),
+            "advice": one.advice.document() if one.advice and not one.overruled else None,
+            "severity": one.severity,
             "overruled": one.overruled,
             "stands": _SAVED if one.overruled and one.key not in told else _stands(one),
             "seen": bool(opened.capture.where(one)),

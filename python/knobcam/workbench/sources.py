@@ -250,6 +250,7 @@ def document() -> pages_sources.Sources:
             {"name": name, "words": Model.load(name).name, "hideable": hideable(name)} for name in KNOBS
         ],
         "effects": {name: laws[name].shows for name in laws},
+        "titles": {name: laws[name].title for name in laws},
         "motions": {"simulated": MOVES | _PUSH, "emulated": MOVES, "port": MOVES | {"hand": "you turn it"}},
         "no_emulated_rig": absent(),
         "ports": [{"port": port, "words": words} for port, words in ports().items()],

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 from itertools import combinations
-from typing import TYPE_CHECKING, NamedTuple, cast, get_args
+from typing import TYPE_CHECKING, NamedTuple
 from weakref import WeakKeyDictionary
 
 from ..base import pages
+from ..base.said import OfEffect, Said, joined, said
 from ..errors import InputError
 from ..fit.plausible import out_of_range
 from ..learn import LearningResult
 from ..learn.limitations import limitations
-from ..model.effects import effects
+from ..model.effects import effects, titles
 from ..show.samples import candidates, peak
-from . import proposing, ruling
+from . import proposing, ruling, surface
 from .closing import open_ones
 from .designing import origin
 from .learned import conclusion, in_vain, ladder
@@ -47,7 +48,7 @@ def document(session: Session) -> pages.Session:
         diagnosis = session.diagnosis_of(branch.node.id)
         shown, laws = session.experiment, session.proposals.get(branch.node.id)
     fitted = view.fit
-    said = _said(fitted)
+    told = _said(fitted)
     steps = ladder(branch.done)
     end = _end(steps, diagnosis)
     left = None if end is None else end.unexplained
@@ -59,13 +60,12 @@ def document(session: Session) -> pages.Session:
         "node": view.id,
         "noise_floor": fitted.noise_floor,
         "unit": fitted.torque_unit,
-        "peak": said.peak,
+        "peak": told.peak,
         "params": _parameters(view),
-        "together": said.together,
+        "together": told.together,
         "rmse": view.rmse,
         "rmse_heldout": view.rmse_heldout,
-        "verdict_text": _verdict(steps, diagnosis, end),
-        "places": [] if diagnosis is None else _places(diagnosis),
+        "verdict": _verdict(steps, diagnosis, end).document(),
         "ladder": [
             {
                 "label": "first model" if step.added is None else f"+ {step.added}",
@@ -76,12 +76,14 @@ def document(session: Session) -> pages.Session:
         ],
         "candidates": known["candidates"] if diagnosis is None else candidates(diagnosis, left),
         "warnings": list(fitted.warnings),
-        "limitations": said.limitations,
-        "absent": said.absent,
+        "limitations": told.limitations,
+        "titles": titles(fitted.model.coordinate),
+        "absent": told.absent,
         "untold": _untold(steps),
         "proposed": proposing.document(laws),
-        "proposed_text": "" if laws is None else laws.headline,
+        "proposed_said": [] if laws is None else laws.headline.document(),
         "curve": proposing.curve(laws),
+        "surface": surface.document(laws),
         "experiment": None if shown is None else shown.document(_source(session, shown)),
     }
 
@@ -101,9 +103,9 @@ _KNOWN: WeakKeyDictionary[Fit, _Said] = WeakKeyDictionary()
 def _said(fitted: Fit) -> _Said:
     """Return it as it was said before, where it was."""
     if fitted not in _KNOWN:
-        said = [f"{one.message}; {one.record}" for one in limitations(fitted)]
+        cannot = [f"{one.message}; {one.record}" for one in limitations(fitted)]
         missing = [one.document() for one in absent(fitted.model)]
-        _KNOWN[fitted] = _Said(peak(fitted), _together(fitted), said, missing)
+        _KNOWN[fitted] = _Said(peak(fitted), _together(fitted), cannot, missing)
     return _KNOWN[fitted]
 
 
@@ -150,17 +152,18 @@ def _nothing(session: Session) -> pages.Session:
         "together": [],
         "rmse": None,
         "rmse_heldout": None,
-        "verdict_text": "Open a capture to begin.",
-        "places": [],
+        "verdict": ["Open a capture to begin."],
         "ladder": [],
         "candidates": {"ready": False, "rows": [], "unexplained": None, "left_out": {}},
         "warnings": [],
         "limitations": [],
+        "titles": {},
         "absent": [],
         "untold": [],
         "proposed": None,
-        "proposed_text": "",
+        "proposed_said": [],
         "curve": None,
+        "surface": None,
         "experiment": None,
     }
 
@@ -205,6 +208,7 @@ def _parameters(view: View) -> list[pages.Param]:
         effect, own = name.split(".", 1)
         info = catalogue[effect].parameter(own)
         estimate = view.fit.params[name]
+        doubt = _doubt(name, estimate, info.plausible, view)
         rows.append(
             {
                 "name": name,
@@ -217,7 +221,7 @@ def _parameters(view: View) -> list[pages.Param]:
                 "lower": info.lower,
                 "upper": info.upper,
                 "meaning": info.meaning,
-                "doubt": _doubt(name, estimate, info.plausible, view),
+                "doubt": None if doubt is None else Said(doubt).document(),
             }
         )
     return rows
@@ -256,36 +260,26 @@ def _doubt(name: str, estimate: Estimate, plausible: tuple[float, float], view: 
     """What is doubtful about a fitted value, if anything is."""
     if name in view.fit.undetermined:
         return view.fit.undetermined[name]
-    said = [warning for warning in view.fit.warnings if warning.startswith(f"{name} ")]
-    if said:
-        return said[0]
+    doubted = [warning for warning in view.fit.warnings if warning.startswith(f"{name} ")]
+    if doubted:
+        return doubted[0]
     return out_of_range(estimate, plausible)
 
 
-def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, end: Selection | None) -> str:
-    useless = in_vain(steps)
-    was, it = ("was", "it") if len(useless) == 1 else ("were", "they")
-    said = f"{' and '.join(useless)} {was} added, and {it} took off too little to have been missing. "
-    said = said if useless else ""
+def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, end: Selection | None) -> Said:
+    vain = _in_vain(in_vain(steps))
     if diagnosis is None:
-        return f"{said}What could be missing is not weighed yet."
+        return joined(" ", (vain, "What could be missing is not weighed yet."))
+    summary, beyond = diagnosis.comparison.summary, diagnosis.fit.beyond
     if end is None:  # what is missing the page says first, of the candidates
-        return f"{said}{diagnosis.comparison.summary} {diagnosis.fit.beyond or ''}".rstrip()
-    return f"{said}{LearningResult(*end).headline} {diagnosis.comparison.summary}"
+        return joined(" ", (vain, summary, beyond and beyond.sentence))
+    return joined(" ", (vain, LearningResult(*end).headline, summary))
 
 
-def _places(diagnosis: Diagnosis) -> list[pages.Place]:
-    """Return the places that a verdict names, each with its words."""
-    worst = diagnosis.comparison.worst
-    if worst is None or worst.axis not in get_args(pages.Along):
-        return []
-    region = worst.regions[0]
-    return [
-        {
-            "words": worst.where(),
-            "axis": cast("pages.Along", worst.axis),
-            "low": region.start,
-            "high": region.end,
-            "direction": region.direction,
-        }
-    ]
+def _in_vain(effects: list[str]) -> Said | None:
+    """Return that effects came in which were not missing."""
+    if not effects:
+        return None
+    was, it = ("was", "it") if len(effects) == 1 else ("were", "they")
+    end = f"{{names}} {was} added, and {it} took off too little to have been missing."
+    return said(end, names=joined(" and ", map(OfEffect, effects)))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, cast, get_args
 import numpy as np
 
 from ..base import pages
+from ..base.pages_said import Along
 from ..show.plot.components import effects_of
 
 if TYPE_CHECKING:
@@ -90,11 +91,11 @@ class View:
 
     def splits(self) -> list[pages.Split]:
         """Return the error along every axis; none of a model that a hand has moved."""
-        known = get_args(pages.Along)
+        known = get_args(Along)
         found = [] if self.dragged else [one for one in self.fit.compare().splits if one.axis in known]
         return [
             {
-                "axis": cast("pages.Along", one.axis),
+                "axis": cast("Along", one.axis),
                 "low": one.low.tolist(),
                 "high": one.high.tolist(),
                 "direction": one.direction.tolist(),

@@ -20,6 +20,7 @@ impl Effect<1> for ActuationDelay {
     const SHOWS: &'static str = "against the rate of the torque: the log is ahead of the motion";
     const CONFUSED: &'static [&'static str] = &["torque_lag", "directional_detent", "compliance"];
     const WORDS: Words = Words {
+        title: "command delay",
         name: "the recorded torque is a command that acts later",
         about: "What is logged as torque is what was asked for; it acts only after the bus, the drive and the \
                 current loop have passed it on, so that the log is ahead of the motion.",

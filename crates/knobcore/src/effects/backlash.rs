@@ -23,6 +23,7 @@ impl Effect<4> for Backlash {
     const CONFUSED: &'static [&'static str] = &["presliding", "directional_detent", "compliance"];
     const MAKES_NONLINEAR: Option<Nonlinear> = Some(Nonlinear::Everything);
     const WORDS: Words = Words {
+        title: "backlash",
         name: "there is free play between shaft and knob",
         about: "After each reversal the shaft turns through a gap before it takes the knob along, and meets \
                 it with a knock.",

@@ -55,6 +55,7 @@ impl Effect<COUNT> for Cogging {
     const CONFUSED: &'static [&'static str] = &["detent", "position_friction", "unbalance"];
     const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::PositionLoad];
     const WORDS: Words = Words {
+        title: "cogging",
         name: "a ripple of whole orders per turn, as of a motor",
         about: "Magnets pull at iron, or teeth at teeth, at whole numbers of places per turn; several such \
                 numbers at once make the pattern of that machine.",

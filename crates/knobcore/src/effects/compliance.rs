@@ -19,6 +19,7 @@ impl Effect<3> for Compliance {
     const CONFUSED: &'static [&'static str] = &["torque_lag", "inertia", "presliding", "backlash"];
     const MAKES_NONLINEAR: Option<Nonlinear> = Some(Nonlinear::Everything);
     const WORDS: Words = Words {
+        title: "elastic joint",
         name: "the joint between shaft and knob is elastic",
         about: "Shaft and knob are joined by a spring, so that the knob swings behind the shaft and rings at \
                 one frequency.",

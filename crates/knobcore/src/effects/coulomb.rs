@@ -17,6 +17,7 @@ impl Effect<2> for Coulomb {
     const SHOWS: &'static str = "as a step of the torque wherever the direction changes";
     const TOUCHES: &'static [Channel] = &[Channel::Back, Channel::Forth];
     const WORDS: Words = Words {
+        title: "dry friction",
         name: "there is dry friction",
         about: "Surfaces that rub resist motion with the same torque at any speed, perhaps another one in \
                 each direction.",

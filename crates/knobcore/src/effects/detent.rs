@@ -15,6 +15,7 @@ impl Effect<3> for Detent {
     const SHOWS: &'static str = "over position, repeating every 2 pi P";
     const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::NormalLoad];
     const WORDS: Words = Words {
+        title: "detent",
         name: "there are detents",
         about: "The knob falls into evenly spaced valleys and has to be pushed out of each.",
         causes: &[

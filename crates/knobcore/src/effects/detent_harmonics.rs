@@ -17,6 +17,7 @@ impl Effect<9> for DetentHarmonics {
     const NEEDS: Option<&'static str> = Some("detent");
     const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::NormalLoad];
     const WORDS: Words = Words {
+        title: "detent harmonics",
         name: "the detent is not a pure sine",
         about: "The valleys of the detents have another shape than a sine: sharper, flatter or leaning to \
                 one side.",

@@ -21,6 +21,7 @@ impl Effect<3> for DirectionalDetent {
     const NEEDS: Option<&'static str> = Some("detent");
     const TOUCHES: &'static [Channel] = &[Channel::Drive];
     const WORDS: Words = Words {
+        title: "directional detent",
         name: "the detent differs with the direction of motion",
         about: "Going one way the valleys are deeper, or lie elsewhere, than going the other way.",
         causes: &[

@@ -22,6 +22,7 @@ impl Effect<6> for EndStop {
     const CONFUSED: &'static [&'static str] = &["position_polynomial", "return_spring"];
     const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::PositionLoad];
     const WORDS: Words = Words {
+        title: "end stop",
         name: "the motion runs into a stop",
         about: "At an end of the range the knob meets something stiff that pushes it back.",
         causes: &[

@@ -17,6 +17,7 @@ impl Effect<2> for FrictionDrift {
     const CONFUSED: &'static [&'static str] = &["torque_drift", "position_friction"];
     const TOUCHES: &'static [Channel] = &[Channel::FrictionScale];
     const WORDS: Words = Words {
+        title: "friction drift",
         name: "friction changes while the capture goes on",
         about: "Friction begins higher or lower than it ends, as grease warms up or spreads.",
         causes: &[

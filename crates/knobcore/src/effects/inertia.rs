@@ -15,6 +15,7 @@ impl Effect<1> for Inertia {
     const SHOWS: &'static str = "in proportion to acceleration";
     const TOUCHES: &'static [Channel] = &[Channel::Inertia];
     const WORDS: Words = Words {
+        title: "inertia",
         name: "the knob has mass",
         about: "The mass of what turns resists every change of its speed.",
         causes: &[

@@ -19,6 +19,7 @@ impl Effect<3> for Karnopp {
     const SHOWS: &'static str = "while the knob stands still under torque";
     const TOUCHES: &'static [Channel] = &[Channel::Stick];
     const WORDS: Words = Words {
+        title: "sticking at standstill",
         name: "the knob sticks when it stands still",
         about: "Below a small speed friction holds the knob against any push up to a breakaway torque.",
         causes: &[

@@ -26,6 +26,7 @@ impl Effect<3> for LoadFriction {
     const MAKES_NONLINEAR: Option<Nonlinear> = Some(Nonlinear::ByLoad);
     const TOUCHES: &'static [Channel] = &[Channel::Mu, Channel::PositionShare, Channel::InertiaShare];
     const WORDS: Words = Words {
+        title: "friction under load",
         name: "friction grows with the load",
         about: "What a detent, a spring, gravity or inertia pushes with also presses surfaces together, which \
                 then rub harder.",

@@ -19,6 +19,7 @@
 //!     const SOURCE: &'static str = "Rayleigh 1876";
 //!     const SHOWS: &'static str = "at high speed";
 //!     const WORDS: Words = Words {
+//!         title: "quadratic drag",
 //!         name: "drag grows with the square of the speed",
 //!         about: "Air that the knob stirs holds it back, four times as much at twice the speed.",
 //!         causes: &["a fan or a vane on the shaft"],

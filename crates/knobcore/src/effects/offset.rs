@@ -17,6 +17,7 @@ impl Effect<1> for Offset {
     const SOURCE: &'static str = "P0 of the polynomials named beside Equation 1 of the haptic-camera paper";
     const SHOWS: &'static str = "everywhere alike";
     const WORDS: Words = Words {
+        title: "torque offset",
         name: "the zero of the torque sensor is off",
         about: "The torque sensor reads a constant where there is no torque.",
         causes: &[

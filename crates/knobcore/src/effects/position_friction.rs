@@ -35,6 +35,7 @@ impl Effect<9> for PositionFriction {
     const CONFUSED: &'static [&'static str] = &["friction_drift", "load_friction", "directional_detent"];
     const TOUCHES: &'static [Channel] = &[Channel::FrictionScale];
     const WORDS: Words = Words {
+        title: "friction over position",
         name: "friction varies along the way",
         about: "The knob rubs harder at some positions than at others.",
         causes: &[

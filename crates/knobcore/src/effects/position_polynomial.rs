@@ -17,6 +17,7 @@ impl Effect<3> for PositionPolynomial {
     const SHOWS: &'static str = "over position, smoothly";
     const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::PositionLoad];
     const WORDS: Words = Words {
+        title: "smooth torque over position",
         name: "a torque varies smoothly over position",
         about: "Some smooth torque depends on where the knob is and on nothing else, without returning after \
                 a turn.",

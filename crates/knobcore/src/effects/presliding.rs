@@ -31,6 +31,7 @@ impl Effect<7> for Presliding {
     const CONFUSED: &'static [&'static str] = &["torque_lag", "backlash", "compliance", "stribeck"];
     const TOUCHES: &'static [Channel] = &[Channel::Hysteresis];
     const WORDS: Words = Words {
+        title: "presliding",
         name: "friction builds up over a distance after each reversal",
         about: "Before surfaces slip they give a little like a spring, so that friction turns round over a \
                 distance and not at once.",

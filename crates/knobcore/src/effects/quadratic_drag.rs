@@ -20,6 +20,7 @@ impl Effect<2> for QuadraticDrag {
     const CONFUSED: &'static [&'static str] = &["stribeck", "viscous"];
     const TOUCHES: &'static [Channel] = &[Channel::Drive];
     const WORDS: Words = Words {
+        title: "quadratic drag",
         name: "drag grows with the square of the speed",
         about: "Air or liquid that the knob stirs holds it back, four times as much at twice the speed.",
         causes: &[

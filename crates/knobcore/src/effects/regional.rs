@@ -32,6 +32,7 @@ impl Effect<11> for Regional {
     const DESCRIBES: bool = true;
     const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::PositionLoad];
     const WORDS: Words = Words {
+        title: "torque by region",
         name: "the torque has a straight line of its own in each region",
         about: "A description of any torque over position by four straight lines; it names no cause.",
         causes: &[

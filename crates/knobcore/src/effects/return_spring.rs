@@ -18,6 +18,7 @@ impl Effect<2> for ReturnSpring {
     const SHOWS: &'static str = "over position, as a straight line";
     const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::PositionLoad];
     const WORDS: Words = Words {
+        title: "return spring",
         name: "a spring pulls the knob back to a rest position",
         about: "The torque grows in proportion to the distance from a rest position.",
         causes: &[

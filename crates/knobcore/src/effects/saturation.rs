@@ -24,6 +24,7 @@ impl Effect<2> for Saturation {
     const CONFUSED: &'static [&'static str] = &["quadratic_drag", "end_stop"];
     const MAKES_NONLINEAR: Option<Nonlinear> = Some(Nonlinear::Everything);
     const WORDS: Words = Words {
+        title: "torque saturation",
         name: "the torque sensor is at its limit",
         about: "Torques beyond the sensor's range all read the same.",
         causes: &[

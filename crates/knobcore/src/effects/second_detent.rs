@@ -33,6 +33,7 @@ impl Effect<3> for SecondDetent {
     const NEEDS: Option<&'static str> = Some("detent");
     const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::NormalLoad];
     const WORDS: Words = Words {
+        title: "second detent",
         name: "there is a second series of detents",
         about: "Beside the detents the knob falls into other valleys, evenly spaced too, but at another distance.",
         causes: &[

@@ -25,6 +25,7 @@ impl Effect<3> for Stribeck {
     const CONFUSED: &'static [&'static str] = &["presliding", "quadratic_drag", "viscous"];
     const TOUCHES: &'static [Channel] = &[Channel::FrictionScale];
     const WORDS: Words = Words {
+        title: "Stribeck friction",
         name: "friction rises towards standstill",
         about: "As the knob slows down the film of lubricant between the surfaces thins out, they touch, and \
                 friction rises.",

@@ -3,6 +3,8 @@
 /// An effect in words.
 #[derive(Debug, Clone, Copy)]
 pub struct Words {
+    /// What it is called in a list, in two or three words: "detent harmonics".
+    pub title: &'static str,
     /// What a person would say is there: "the detent is not a pure sine".
     pub name: &'static str,
     /// What it is, in one sentence.

@@ -32,6 +32,7 @@ impl Effect<8> for TorqueDrift {
     const SHOWS: &'static str = "over time, whatever the motion";
     const CONFUSED: &'static [&'static str] = &["friction_drift"];
     const WORDS: Words = Words {
+        title: "torque drift",
         name: "the zero of the torque sensor drifts",
         about: "The reading creeps over time whatever the knob does.",
         causes: &[

@@ -22,6 +22,7 @@ impl Effect<2> for TorqueLag {
     const SHOWS: &'static str = "in proportion to the rate of the torque";
     const CONFUSED: &'static [&'static str] = &["presliding", "inertia", "backlash", "compliance"];
     const WORDS: Words = Words {
+        title: "torque lag",
         name: "the torque signal comes late",
         about: "The torque channel follows the torque with a delay, so that it seems to depend on how fast \
                 it changes.",

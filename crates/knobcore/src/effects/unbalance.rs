@@ -16,6 +16,7 @@ impl Effect<2> for Unbalance {
     const CONFUSED: &'static [&'static str] = &["return_spring", "position_polynomial"];
     const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::PositionLoad];
     const WORDS: Words = Words {
+        title: "unbalance",
         name: "a torque comes once per turn, as of an unbalanced knob",
         about: "The knob's mass lies off its axis, or its axis off the rig's, so that a torque comes and \
                 goes once per turn.",

@@ -18,6 +18,7 @@ impl Effect<2> for Viscous {
     const SHOWS: &'static str = "in proportion to speed";
     const TOUCHES: &'static [Channel] = &[Channel::Drive];
     const WORDS: Words = Words {
+        title: "viscous friction",
         name: "there is viscous friction",
         about: "Grease or oil that is sheared resists motion in proportion to its speed.",
         causes: &[

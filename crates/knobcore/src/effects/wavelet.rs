@@ -43,6 +43,7 @@ impl Effect<COUNT> for Wavelet {
     const DESCRIBES: bool = true;
     const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::PositionLoad];
     const WORDS: Words = Words {
+        title: "free torque over position",
         name: "some torque varies over position",
         about: "A description of any torque over position by small waves, coarse and fine; it names no \
                 cause.",

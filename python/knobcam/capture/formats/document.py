@@ -13,8 +13,10 @@ import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray, runs
 from ...base.door import check
+from ...base.pages_said import Way
+from ...base.said import Advice, Said
 from ...errors import InputError
-from ..finding import Finding, Severity
+from ..finding import OVERRULED, Finding, Severity
 from .clock import FASTEST_HZ, SLOWEST_HZ
 from .table import Table
 
@@ -117,9 +119,24 @@ def stored_findings(document: Mapping[str, Any]) -> tuple[Finding, ...]:
 def _finding(entry: Mapping[str, Any]) -> Finding:
     # Versions before had single rows.
     spans = ((row, row) if isinstance(row, int) else (int(row[0]), int(row[1])) for row in entry["rows"])
-    said = {name: entry[name] for name in ("kind", "column", "count", "message", "severity")}
+    said = {name: entry[name] for name in ("kind", "column", "count", "severity")}
     for name, value in said.items():
         check(name, value, "int" if name == "count" else "str")
     if said["severity"] not in get_args(Severity):
         raise ValueError(f"severity {said['severity']!r}")
-    return Finding(spans=tuple(spans), **said, overruled=entry.get("overruled", False) is True)
+    found, advice = _said(entry)
+    overruled = entry.get("overruled", False) is True
+    return Finding(spans=tuple(spans), **said, found=found, advice=advice, overruled=overruled)
+
+
+def _said(entry: Mapping[str, Any]) -> tuple[Said, Advice | None]:
+    """What was found and what could be done about it; versions before had one sentence of both."""
+    if "found" not in entry:
+        check("message", entry["message"], "str")
+        whole = entry["message"].removeprefix(OVERRULED[True]).removeprefix(OVERRULED[False])
+        found, _, advice = whole.partition("; masked")
+        return Said(found), Advice(advice.lstrip(",; ")) if advice else None
+    check("advice", entry["advice"], "str")
+    if entry["way"] not in get_args(Way):
+        raise ValueError(f"way {entry['way']!r}")
+    return Said.of(entry["found"]), Advice(entry["advice"], entry["way"]) if entry["advice"] else None

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...base.arrays import FloatArray
+from ...base.said import said
 from ...errors import InputError
 from ..finding import Finding
 from .table import Table, choose
@@ -125,6 +126,11 @@ class JointStates:
             column = np.array(values)
             if np.isfinite(column).any():  # what a joint does not have is left empty, or not a number
                 columns[part] = column
-        said = f"joint {name} of {topic}; t is {'its stamp' if stamped else 'when it was logged'}, from 0"
-        note = Finding("joint", "t", len(stamps), (), said, "note")
+        found = said(
+            "joint {name} of {topic}; {t} is {stamp}, from 0",
+            name=name,
+            topic=topic,
+            stamp="its stamp" if stamped else "when it was logged",
+        )
+        note = Finding("joint", "t", len(stamps), (), found, "note")
         return Table(self.source, f"{kind}, {topic} {name}", columns, notes=(note, *notes))

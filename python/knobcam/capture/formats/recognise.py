@@ -9,6 +9,7 @@ from itertools import combinations
 import numpy as np
 
 from ...base.arrays import FloatArray
+from ...base.said import Advice, said
 from ...errors import InputError
 from ..finding import Finding
 from .columnmap import TARGETS, Entry
@@ -78,8 +79,9 @@ def recognise(table: Table, coordinate: Coordinate | None) -> Recognised | None:
     if doubts:
         raise ask(table, next(doubts[one] for one in ("theta", "tau", *TARGETS) if one in doubts), entries)
     taken = ", ".join(_taken(name, entry, coordinate) for name, entry in entries.items())
-    message = f"columns{f' of {logger.name}' if logger else ''}: {taken}; a map says otherwise"
-    return Recognised(entries, Finding("columns", "theta", len(entries), (), message, "note"))
+    found = said("columns{of}: {taken}", of=f" of {logger.name}" if logger else "", taken=taken)
+    advice = Advice("a map says otherwise", "columns")
+    return Recognised(entries, Finding("columns", "theta", len(entries), (), found, "note", advice))
 
 
 def _chosen(table: Table, labels: dict[str, Label]) -> tuple[dict[str, Entry], dict[str, str]]:

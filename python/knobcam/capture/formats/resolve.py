@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...base.arrays import FloatArray
+from ...base.said import Advice, said
 from ...errors import InputError
 from ..finding import Finding
 from .columnmap import TARGETS, ColumnMap, Entry, parse_map
@@ -104,17 +105,18 @@ def _by_map(table: Table, entries: dict[str, Entry]) -> tuple[dict[str, Entry], 
             entry = Entry(f"`{whole}`", None)
         unit = read_label(entry.column).unit if entry.plain and entry.unit is None else None
         known[target] = Entry(entry.expression, unit) if unit and fits(target, unit) else entry
-    said = []
+    taken = []
     for target, entry in known.items():
         if entry.unit is None or entries[target].unit is not None:
             continue
         factor, _, unit = to_si(target, entry.unit)
         if factor != 1.0 or unit in GIVEN:  # that a number is in SI is taken without a word
-            said.append(f"{target} = {entry.column} [{entry.unit}]")
-    if not said:
+            taken.append(f"{target} = {entry.column} [{entry.unit}]")
+    if not taken:
         return known, ()
-    words = f"columns: {', '.join(said)}, as their names say; a unit in the map says otherwise"
-    return known, (Finding("columns", "theta", len(said), (), words, "note"),)
+    found = said("columns: {taken}, as their names say", taken=", ".join(taken))
+    advice = Advice("a unit in the map says otherwise", "columns")
+    return known, (Finding("columns", "theta", len(taken), (), found, "note", advice),)
 
 
 def _by_contract(table: Table, coordinate: Coordinate | None) -> tuple[dict[str, Entry], Coordinate] | None:

@@ -12,6 +12,7 @@ from typing import IO, Any
 
 from ...base.optional import require
 from ...base.reading import open_file
+from ...base.said import said
 from ...errors import InputError
 from ..finding import Finding
 from . import magic
@@ -20,7 +21,7 @@ from .joint_states import TYPES, JointStates
 from .table import Table
 
 _LARGEST_CHUNK = 2**26  # bytes when inflated; recorders write a megabyte or a few
-_CUT = "the bag ends in the middle, as where a recorder was killed; what came before is used"
+_CUT = "{t}: the bag ends in the middle, as where a recorder was killed; what came before is used"
 
 
 def files_in(folder: Path) -> list[Path]:
@@ -47,7 +48,7 @@ def read_bag(source: str, paths: list[Path], max_bytes: int, joint: str | None) 
     if not states.count:
         shown = ", ".join(f"{topic} ({kind})" for topic, kind in sorted(topics.items())[:10]) or "no topics"
         raise InputError(f"{source}: no messages of sensor_msgs/JointState; it has {shown}")
-    cut = () if whole else (Finding("cut", "t", 1, (), f"t: {_CUT}", "warning"),)
+    cut = () if whole else (Finding("cut", "t", 1, (), said(_CUT), "warning"),)
     return states.table("ROS 2 bag", joint, cut)
 
 

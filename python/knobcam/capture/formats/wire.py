@@ -16,6 +16,7 @@ import numpy as np
 
 from ... import _core
 from ...base.arrays import BoolArray, FloatArray
+from ...base.said import Advice, said
 from ...base.writing import RECORDING
 from ...errors import InputError
 from ..finding import Finding
@@ -29,6 +30,7 @@ RATE_TOLERANCE = 0.01
 _SPAN_S = 0.05  # of the device's clock, before its rate is judged
 _NO_READING = -32768
 _HEADER = 1 << 20
+_FIRMWARE = Advice("correct the firmware")
 _SENSITIVITIES = (1e-3, 1e7)  # of accelerometers, (rad/s^2)/V; that of the paper has 1148
 
 
@@ -186,19 +188,22 @@ def _rate(raw: Mapping[str, Any], claimed: float) -> tuple[float, list[Finding]]
     steady = usual > 0.0 and high - low <= RATE_TOLERANCE * usual
     count = len(raw["index"])
     if steady and abs(1.0 / usual / claimed - 1.0) > RATE_TOLERANCE:
-        message = (
-            f"t: the rig says {claimed:.6g} Hz, its clock says {1.0 / usual:.6g} Hz; the clock is believed, "
-            f"correct the firmware"
+        found = said(
+            "{t}: the rig says {claimed:.6g} Hz, its clock says {ticks:.6g} Hz; the clock is believed",
+            claimed=claimed,
+            ticks=1.0 / usual,
         )
-        return 1.0 / usual, [Finding("rate", "t", count, (), message, "warning")]
+        return 1.0 / usual, [Finding("rate", "t", count, (), found, "warning", _FIRMWARE)]
     off = passed[-1] - (index[-1] - index[0]) / claimed
     if steady and abs(off) <= RATE_TOLERANCE * passed[-1]:
         return claimed, []
-    message = (
-        f"t: the rig's clock does not go on evenly, at the end it is off by {off:.3g} s; the samples are "
-        f"counted, at the {claimed:.6g} Hz that it says; correct the firmware"
+    found = said(
+        "{t}: the rig's clock does not go on evenly, at the end it is off by {off:.3g} s; the samples are "
+        "counted, at the {claimed:.6g} Hz that it says",
+        off=off,
+        claimed=claimed,
     )
-    return claimed, [Finding("clock", "t", count, (), message, "warning")]
+    return claimed, [Finding("clock", "t", count, (), found, "warning", _FIRMWARE)]
 
 
 def _losses(raw: Mapping[str, Any], planned: int | None) -> list[Finding]:
@@ -206,21 +211,27 @@ def _losses(raw: Mapping[str, Any], planned: int | None) -> list[Finding]:
     account, found = raw["account"], []
     for end, key in (("before the first", "missing_head"), ("after the last", "missing_tail")):
         if account[key]:
-            message = f"t: {account[key]} samples {end} did not arrive; nothing is filled in"
-            found.append(Finding("gap", "t", account[key], (), message, "warning"))
+            lost = said(
+                "{t}: {count} samples {end} did not arrive; nothing is filled in", count=account[key], end=end
+            )
+            found.append(Finding("gap", "t", account[key], (), lost, "warning"))
     if account["produced"] is None:
         of = (
             ""
             if planned is None
             else f" ({len(raw['index'])} of the {planned} samples that were planned came)"
         )
-        message = f"t: the rig did not say how the run ended{of}; what is missing at its end is unknown"
-        found.append(Finding("cut", "t", 1, (), message, "note"))
-    elif planned is not None and account["produced"] < planned:
-        message = (
-            f"t: the run was ended after {account['produced']} of the {planned} samples that were planned"
+        end = said(
+            "{t}: the rig did not say how the run ended{of}; what is missing at its end is unknown", of=of
         )
-        found.append(Finding("cut", "t", planned - account["produced"], (), message, "note"))
+        found.append(Finding("cut", "t", 1, (), end, "note"))
+    elif planned is not None and account["produced"] < planned:
+        early = said(
+            "{t}: the run was ended after {produced} of the {planned} samples that were planned",
+            produced=account["produced"],
+            planned=planned,
+        )
+        found.append(Finding("cut", "t", planned - account["produced"], (), early, "note"))
     return found
 
 
@@ -228,15 +239,17 @@ def _damage(read: Mapping[str, Any], account: Mapping[str, Any]) -> list[Finding
     """What came over the port and is no frame, or says of one sample what another frame says otherwise."""
     found = []
     if read["corrupt"]:
-        message = (
-            f"{read['corrupt']} stretches of the log ({read['corrupt_bytes']} bytes) are no frames and were "
-            "left out; check the cable"
+        lost = said(
+            "{corrupt} stretches of the log ({size} bytes) are no frames and were left out",
+            corrupt=read["corrupt"],
+            size=read["corrupt_bytes"],
         )
-        found.append(Finding("corrupt", "t", read["corrupt"], (), message, "warning"))
+        found.append(Finding("corrupt", "t", read["corrupt"], (), lost, "warning", Advice("check the cable")))
     if account["contradicted"]:
-        message = (
-            f"{account['contradicted']} samples came twice with different content; the first is kept, and "
-            "nobody knows which is right: correct the firmware"
+        twice = said(
+            "{count} samples came twice with different content; the first is kept, and nobody knows which is "
+            "right",
+            count=account["contradicted"],
         )
-        found.append(Finding("contradicted", "t", account["contradicted"], (), message, "warning"))
+        found.append(Finding("contradicted", "t", account["contradicted"], (), twice, "warning", _FIRMWARE))
     return found

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray
+from ...base.said import OfColumn, said
 from ...errors import InputError
 from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import Coordinate
@@ -85,8 +86,11 @@ def _check(
                 f"is none); map another"
             )
         del present[name]
-        message = f"{name}: no number in any row; it is derived from theta as if the column were absent"
-        findings.append(Finding("empty", name, len(rows), spans(rows), message, "note"))
+        nothing = said(
+            "{name}: no number in any row; it is derived from {theta} as if the column were absent",
+            name=OfColumn(name),
+        )
+        findings.append(Finding("empty", name, len(rows), spans(rows), nothing, "note"))
 
     mask = np.ones(len(rows), dtype=np.bool_)
     for name, values in present.items():
@@ -94,11 +98,14 @@ def _check(
         mask &= measured
         if not measured.all():
             at = rows[~measured]
-            message = (
-                f"{name}: {len(at)} samples are not finite or beyond {LARGEST:g} "
-                f"({rows_in_words(at)}); masked"
+            wild = said(
+                "{name}: {count} samples are not finite or beyond {largest:g} ({rows})",
+                name=OfColumn(name),
+                count=len(at),
+                largest=LARGEST,
+                rows=rows_in_words(at),
             )
-            findings.append(Finding("non-finite", name, len(at), spans(at), message, "masked"))
+            findings.append(Finding("non-finite", name, len(at), spans(at), wild, "masked"))
 
     t, found = run_on(present["t"], rows)
     present["t"] = t if ruled.lets(found) else present["t"]

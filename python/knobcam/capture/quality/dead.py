@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray, IntArray, runs
+from ...base.said import OfColumn, said
 from ..finding import Finding, Rows, rows_in_words, spans
 from .torque import Limit
 
@@ -55,11 +56,13 @@ def check_dead(
             continue
         dead[index[at]] = True
         found = rows[index[at]]
-        message = (
-            f"{name}: stands still in {len(found)} rows ({rows_in_words(found)}) while the knob moves, "
-            "as if its sensor was off; masked"
+        what = said(
+            "{name}: stands still in {count} rows ({rows}) while the knob moves, as if its sensor was off",
+            name=OfColumn(name),
+            count=len(found),
+            rows=rows_in_words(found),
         )
-        findings.append(Finding("dead", name, len(found), spans(found), message, "masked"))
+        findings.append(Finding("dead", name, len(found), spans(found), what, "masked"))
     return dead, findings
 
 

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray, IntArray, groups, runs
+from ...base.said import said
 from ..finding import Finding, Rows, rows_in_words, spans
 from .order import medians, quantile
 
@@ -53,8 +54,13 @@ def check_garbage(
             continue
         bad[index[at]] = True
         found = rows[index[at]]
-        message = f"tau: {what} for {len(found)} rows ({rows_in_words(found)}), which no knob makes; masked"
-        findings.append(Finding(kind, "tau", len(found), spans(found), message, "masked"))
+        told = said(
+            "{tau}: {what} for {count} rows ({rows}), which no knob makes",
+            what=what,
+            count=len(found),
+            rows=rows_in_words(found),
+        )
+        findings.append(Finding(kind, "tau", len(found), spans(found), told, "masked"))
     return bad, findings
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray
+from ...base.said import OfColumn, said
 from ..finding import Finding, Rows, spans
 from .order import quantile
 
@@ -52,14 +53,18 @@ def check_held(columns: dict[str, FloatArray], usable: BoolArray, rows: Rows) ->
             continue
         at = rows[usable][repeated]
         every = len(repeated) / max(1, len(repeated) - len(at))
-        what = (
-            f"{name}: {len(at)} of {len(repeated)} rows repeat the reading before, "
-            f"a new one comes every {every:.3g} rows"
-        )
         if name == "tau":
             remedy = "compared with the model where it was read, every other row tells of the motion alone"
         else:
             remedy = "only new readings count as measured"
-        message = f"{what}: it was sampled more slowly than logged; {remedy}"
-        findings.append(Finding("held", name, len(at), spans(at), message, "mended"))
+        found = said(
+            "{name}: {count} of {all} rows repeat the reading before, a new one comes every {every:.3g} "
+            "rows: it was sampled more slowly than logged; {remedy}",
+            name=OfColumn(name),
+            count=len(at),
+            all=len(repeated),
+            every=every,
+            remedy=remedy,
+        )
+        findings.append(Finding("held", name, len(at), spans(at), found, "mended"))
     return findings

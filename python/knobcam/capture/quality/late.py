@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray
+from ...base.said import Advice, said
 from ..finding import Finding
 from .order import quantile
 
@@ -33,18 +34,22 @@ def check_late(
     if late is None or abs(late) * rate_hz < _LEAST:
         return columns, []
     which = "after" if late > 0.0 else "before"
-    message = (
-        f"theta: stands {1e3 * abs(late):.3g} ms ({abs(late) * rate_hz:.3g} rows) {which} the omega that "
-        "belongs to it"
+    found = said(
+        "{theta}: stands {ms:.3g} ms ({rows:.3g} rows) {which} the {omega} that belongs to it",
+        ms=1e3 * abs(late),
+        rows=abs(late) * rate_hz,
+        which=which,
     )
+    advice = None
     other = _late(seen["t"], seen["omega"], seen["alpha"], rate_hz) if "alpha" in columns else None
     if other is not None and abs(other) < 0.5 * abs(late):
         mended = columns | {"theta": _at(columns["t"] + late, seen["t"], seen["theta"], 1.5 / rate_hz)}
-        message += ", and alpha goes with omega: theta is put where they are"
+        found = said("{found}, and {alpha} goes with {omega}: {theta} is put where they are", found=found)
     else:
         mended = {name: values for name, values in columns.items() if name != "omega"}
-        message += ": omega is left out; stamp columns when they are measured"
-    return mended, [Finding("late_column", "theta", len(index), (), message, "mended")]
+        found = said("{found}: {omega} is left out", found=found)
+        advice = Advice("stamp columns when they are measured")
+    return mended, [Finding("late_column", "theta", len(index), (), found, "mended", advice)]
 
 
 def _at(wanted: FloatArray, t: FloatArray, values: FloatArray, longest: float) -> FloatArray:

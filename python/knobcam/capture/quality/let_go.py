@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray
+from ...base.said import said
 from ..finding import Finding, Rows, rows_in_words, spans
 from .dead import agrees, rigid_windows, stands
 
@@ -36,11 +37,13 @@ def check_let_go(
     for first, end in zero:
         off[index[first:end]] = True
     found = rows[off]
-    message = (
-        f"tau: is zero in {len(found)} rows ({rows_in_words(found)}) while the knob moves without the "
-        "back-EMF that the other rows have: the motor was off, and its voltage says nothing there; masked"
+    what = said(
+        "{tau}: is zero in {count} rows ({rows}) while the knob moves without the back-EMF that the other "
+        "rows have: the motor was off, and its voltage says nothing there",
+        count=len(found),
+        rows=rows_in_words(found),
     )
-    return off, [Finding("let_go", "tau", len(found), spans(found), message, "masked")]
+    return off, [Finding("let_go", "tau", len(found), spans(found), what, "masked")]
 
 
 def _without(signatures: FloatArray, torque: FloatArray, standing: BoolArray) -> bool:

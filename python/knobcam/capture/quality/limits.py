@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ...base.arrays import BoolArray
+from ...base.said import OfColumn, said
 from ..finding import Finding, Rows, rows_in_words, spans
 
 
@@ -21,10 +22,12 @@ def check_limits(
         if not at.any():
             continue
         clipped |= at
-        message = (
-            f"{column}: {int(at.sum())} samples are at a limit of the sensor ({rows_in_words(rows[at])}), "
-            f"which is only a bound; masked"
+        found = said(
+            "{column}: {count} samples are at a limit of the sensor ({rows}), which is only a bound",
+            column=OfColumn(column),
+            count=int(at.sum()),
+            rows=rows_in_words(rows[at]),
         )
         kind = "clipped" if column == "tau" else "limit"
-        findings.append(Finding(kind, column, int(at.sum()), spans(rows[at]), message, "masked"))
+        findings.append(Finding(kind, column, int(at.sum()), spans(rows[at]), found, "masked"))
     return clipped, findings

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray, IntArray, groups
+from ...base.said import said
 from ..finding import Finding, Rows, rows_in_words, spans
 from .order import quantile
 from .stands import Leap, holes, together
@@ -90,11 +91,14 @@ def check_missed(
             bad[index[between]] = True
     at = rows[index[np.unique([leap.after for leap in leaps])]]
     sizes = np.abs([leap.size for leap in leaps])
-    message = (
-        f"theta: leaps by {sizes.min():.3g} to {sizes.max():.3g} at {rows_in_words(at)} in the midst of a "
-        "smooth motion that goes on, as where an encoder misses counts; they are put back"
+    words = said(
+        "{theta}: leaps by {least:.3g} to {most:.3g} at {rows} in the midst of a smooth motion that goes on, "
+        "as where an encoder misses counts; they are put back",
+        least=sizes.min(),
+        most=sizes.max(),
+        rows=rows_in_words(at),
     )
-    return Missed(theta, bad, (Finding("missed", "theta", len(at), spans(at), message, "mended"),))
+    return Missed(theta, bad, (Finding("missed", "theta", len(at), spans(at), words, "mended"),))
 
 
 def _told(columns: dict[str, FloatArray], theta: FloatArray, index: IntArray) -> FloatArray:

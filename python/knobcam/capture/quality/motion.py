@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arrays import BoolArray, FloatArray
+from ...base.said import Advice, OfColumn, said
 from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import Coordinate
 from .order import quantile
@@ -27,12 +28,20 @@ def check_stuck(name: str, values: FloatArray, usable: BoolArray) -> list[Findin
     held = values[usable]
     if np.any(held != held[0]):
         return []
-    remedy = {
-        "theta": "nothing moved, so no parameter can be told",
-        "tau": "there is no torque to explain; check the sensor or the map",
-    }.get(name, f"if its sensor was off, leave {name} out and it is derived from theta")
-    message = f"{name}: constant at {held[0]:.6g} in all {len(held)} samples: {remedy}"
-    return [Finding("stuck", name, len(held), (), message, "warning")]
+    known = {
+        "theta": (": nothing moved, so no parameter can be told", None),
+        "tau": (": there is no torque to explain", Advice("check the sensor or the map", "columns")),
+    }
+    left_out = Advice(f"if its sensor was off, leave {name} out and it is derived from theta", "columns")
+    why, advice = known.get(name, ("", left_out))
+    found = said(
+        "{name}: constant at {value:.6g} in all {count} samples{why}",
+        name=OfColumn(name),
+        value=held[0],
+        count=len(held),
+        why=why,
+    )
+    return [Finding("stuck", name, len(held), (), found, "warning", advice)]
 
 
 def check_wrapped(theta: FloatArray, usable: BoolArray, rows: Rows, coordinate: Coordinate) -> list[Finding]:
@@ -43,11 +52,9 @@ def check_wrapped(theta: FloatArray, usable: BoolArray, rows: Rows, coordinate: 
     at = rows[1:][jump & usable[1:] & usable[:-1]]
     if not at.size or len(at) > len(theta) // 10:
         return []
-    message = (
-        f"theta: jumps by more than half a turn at {rows_in_words(at)}; "
-        f"if the angle wraps around, map theta=unwrap(...)"
-    )
-    return [Finding("wrap", "theta", len(at), spans(at), message, "warning")]
+    found = said("{theta}: jumps by more than half a turn at {rows}", rows=rows_in_words(at))
+    advice = Advice("if the angle wraps around, map theta=unwrap(...)", "unwrap")
+    return [Finding("wrap", "theta", len(at), spans(at), found, "warning", advice)]
 
 
 def ratio(

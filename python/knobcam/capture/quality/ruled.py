@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...base.said import said
 from ...errors import InputError
 from ..finding import Finding
 
@@ -49,9 +50,9 @@ def within(finding: Finding, rows: Rows) -> BoolArray:
 
 
 LATER = {
-    "spike:theta": "readings of theta that all the others contradict",
-    "spike:omega": "readings of omega that all the others contradict",
-    "spike:alpha": "readings of alpha that all the others contradict",
+    "spike:theta": "readings of {theta} that all the others contradict",
+    "spike:omega": "readings of {omega} that all the others contradict",
+    "spike:alpha": "readings of {alpha} that all the others contradict",
     "band:theta": "a band in which the motion is not what the torque made",
     "edge:tau": "waves of the torque that its filter takes off",
     "late_column:tau": "a torque that stands before the motion that it makes, or after it",
@@ -65,8 +66,7 @@ def awaited(overruled: Collection[str], findings: Collection[Finding]) -> tuple[
     notes = []
     for key in (one for one in dict.fromkeys(overruled) if one in LATER and one not in there):
         kind, column = key.split(":")
-        message = f"overruled, so nothing is to be done about {LATER[key]}"
-        notes.append(Finding(kind, column, 0, (), message, "note", overruled=True))
+        notes.append(Finding(kind, column, 0, (), said(LATER[key]), "note", overruled=True))
     return tuple(notes)
 
 

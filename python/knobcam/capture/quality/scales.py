@@ -7,6 +7,7 @@ from itertools import combinations
 from typing import NamedTuple
 
 from ...base.arrays import BoolArray, FloatArray
+from ...base.said import Advice, OfColumn, Said, said
 from ..finding import Finding, Severity
 from ..formats.units import SI, Coordinate
 from .motion import ratio
@@ -15,7 +16,7 @@ AGREEMENT = (0.8, 1.25)
 """Ratio of a derivative's column to the derivative of theta that passes as the same unit."""
 
 _ORDERS = {"omega": 1, "alpha": 2}
-_DERIVATIVES = {"omega": "d theta/dt", "alpha": "d2 theta/dt2"}
+_DERIVATIVES = {"omega": "d {theta}/dt", "alpha": "d2 {theta}/dt2"}
 _CLOCKS = {1e3: "ms", 1e6: "us"}
 _FACTORS: dict[Coordinate, dict[float, str]] = {
     "linear": {1e3: "thousandths", 1e6: "millionths"},
@@ -54,47 +55,65 @@ def check_scales(
     if not off and not sizes.strangers and len(sizes.times) == len(_ORDERS.keys() & set(columns)):
         return columns, []
 
-    def said(kind: str, column: str, message: str, severity: Severity = "warning") -> Finding:
-        return Finding(kind, column, count, (), f"{column}: {message}", severity)
+    def told(
+        kind: str, column: str, what: Said, advice: Advice | None = None, severity: Severity = "warning"
+    ) -> Finding:
+        found = said("{column}: {what}", column=OfColumn(column), what=what)
+        return Finding(kind, column, count, (), found, severity, advice)
 
     if swapped := _swapped(columns, sizes, usable):
-        one, other = swapped
-        way = f"as they are, {other} is what {one} should be and {one} what {other} should be; map them so"
-        return columns, [said("swapped", one, f"stands in the place of {other}: {way}")]
+        what = said(
+            "stands in the place of {b}: as they are, {b} is what {a} should be and {a} what {b} should be",
+            a=OfColumn(swapped[0]),
+            b=OfColumn(swapped[1]),
+        )
+        return columns, [told("swapped", swapped[0], what, Advice("map them so", "columns"))]
     if sizes.strangers:
-        way = "has nothing to do with d theta/dt; check which column is which in the map"
-        return columns, [said("contradiction", "omega", way)]
-    told = {name: f"{times:.4g} times {_DERIVATIVES[name]}" for name, times in off.items()}
+        what = said("has nothing to do with d {theta}/dt")
+        advice = Advice("check which column is which in the map", "columns")
+        return columns, [told("contradiction", "omega", what, advice)]
+    sized = {name: said(f"{times:.4g} times {_DERIVATIVES[name]}") for name, times in off.items()}
     if len(off) == len(_ORDERS):
         first, second = off["omega"], off["alpha"]
-        both = f"omega is {told['omega']}, alpha {told['alpha']}"
+        both = said("{omega} is {first}, {alpha} {second}", first=sized["omega"], second=sized["alpha"])
         if _alike(first, -1.0) and _alike(second, -1.0):
-            message = f"{both}: it is theta whose sign is reversed; it is turned"
-            return columns | {"theta": -columns["theta"]}, [said("sign", "theta", message, "mended")]
+            what = said("{both}: it is {theta} whose sign is reversed; it is turned", both=both)
+            turned = columns | {"theta": -columns["theta"]}
+            return turned, [told("sign", "theta", what, severity="mended")]
         clock = next((unit for factor, unit in _CLOCKS.items() if _alike(first, factor)), None)
         if clock is not None and _alike(second, first**2):
-            return columns, [said("unit", "t", f"{both}: it is in {clock}; map t=... [{clock}]")]
+            what = said("{both}: it is in {clock}", both=both, clock=clock)
+            return columns, [told("unit", "t", what, Advice(f"map t=... [{clock}]", "unit"))]
         if _alike(first, second):
-            return columns, [said("unit", "theta", f"{both}: {_likely('omega', abs(first), coordinate)}")]
-        kept = "nothing is changed"
-        units = {name: _likely(name, abs(times), coordinate) for name, times in off.items()}
-        return columns, [said("unit", name, f"{told[name]}: {units[name]}; {kept}") for name in off]
+            return columns, [told("unit", "theta", *_likely(both, "omega", abs(first), coordinate))]
+        each = {name: _likely(sized[name], name, abs(off[name]), coordinate) for name in off}
+        return columns, [told("unit", name, *_unchanged(*likely)) for name, likely in each.items()]
     for name, times in off.items():  # one
         witness = next((other for other in _ORDERS if other != name and other in columns), None)
         if _alike(times, -1.0):
             if witness is None:
-                message = f"{told[name]}: its sign is reversed, map it with a minus; nothing is changed"
-                return columns, [said("sign", name, message)]
-            message = f"its sign is reversed, as theta and {witness} say; it is turned"
-            return columns | {name: -columns[name]}, [said("sign", name, message, "mended")]
+                what = said("{size}: its sign is reversed; nothing is changed", size=sized[name])
+                return columns, [told("sign", name, what, Advice("map it with a minus", "minus"))]
+            what = said(
+                "its sign is reversed, as {theta} and {witness} say; it is turned", witness=OfColumn(witness)
+            )
+            return columns | {name: -columns[name]}, [told("sign", name, what, severity="mended")]
         agreed = witness is not None and witness in sizes.times
-        reason = _likely(name, abs(times), coordinate, theta_too=not agreed)
-        if not agreed:
-            return columns, [said("unit", name, f"{told[name]}: {reason}; nothing is changed")]
-        message = f"{told[name]}: {reason}; left out, since theta and {witness} agree"
+        likely = _likely(sized[name], name, abs(times), coordinate, theta_too=not agreed)
+        if witness is None or not agreed:
+            return columns, [told("unit", name, *_unchanged(*likely))]
+        what = said(
+            "{likely}; left out, since {theta} and {witness} agree",
+            likely=likely[0],
+            witness=OfColumn(witness),
+        )
         left = {one: values for one, values in columns.items() if one != name}
-        return left, [said("unit", name, message, "mended")]
+        return left, [told("unit", name, what, likely[1], severity="mended")]
     return columns, []
+
+
+def _unchanged(what: Said, advice: Advice | None) -> tuple[Said, Advice | None]:
+    return said("{what}; nothing is changed", what=what), advice
 
 
 def _alike(times: float, wanted: float) -> bool:
@@ -126,19 +145,27 @@ def _swapped(columns: dict[str, FloatArray], now: _Sizes, usable: BoolArray) -> 
     return None
 
 
-def _likely(name: str, times: float, coordinate: Coordinate, *, theta_too: bool = True) -> str:
-    """Return the unit that would explain `times`, within the agreement that passes as equal."""
+def _likely(
+    size: Said, name: str, times: float, coordinate: Coordinate, *, theta_too: bool = True
+) -> tuple[Said, Advice | None]:
+    """Return a size with the unit that would explain it, within the agreement that passes as equal.
+
+    Where none does, return it with the advice to look.
+    """
     unit = SI[coordinate][name]
     known = [
-        (factor, f"the column may be in {word} where {unit} is expected")
+        (factor, said(f"the column may be in {word} where {unit} is expected"))
         for factor, word in _FACTORS[coordinate].items()
     ]
     known += [
-        (1 / factor, f"theta may be in {word} where {SI[coordinate]['theta']} is expected")
+        (1 / factor, said(f"{{theta}} may be in {word} where {SI[coordinate]['theta']} is expected"))
         for factor, word in _FACTORS[coordinate].items()
         if theta_too
     ]
     factor, reason = min(known, key=lambda pair: abs(math.log(pair[0] / times)))
-    if AGREEMENT[0] <= times / factor <= AGREEMENT[1]:
-        return f"near {factor:.4g}, so {reason}" + (" (or t is not in s)" if theta_too else "")
-    return "check the units in the map"
+    if not AGREEMENT[0] <= times / factor <= AGREEMENT[1]:
+        return size, Advice("check the units in the map", "unit")
+    else_ = said(" (or {t} is not in s)") if theta_too else ""
+    return said(
+        "{size}: near {factor:.4g}, so {reason}{or_}", size=size, factor=factor, reason=reason, or_=else_
+    ), None

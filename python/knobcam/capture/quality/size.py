@@ -8,6 +8,7 @@ from collections.abc import Collection, Mapping
 import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray
+from ...base.said import Advice, number, said
 from ..finding import Finding
 from ..formats.units import Coordinate
 from .order import quantile
@@ -44,21 +45,23 @@ def check_size(
     findings = []
     usual = quantile(np.abs(columns["tau"][usable]), _MOSTLY)
     if "tau" in names and usual > LARGEST_NM:
-        message = (
-            f"tau: {usual:.4g} N m is more than hands turn; if it is in mN m, map tau=... [mNm]; "
-            "of a larger machine state the unit: tau=... [Nm]"
+        found = said("{tau}: {usual} is more than hands turn", usual=number(usual, "N m"))
+        advice = Advice(
+            "if it is in mN m, map tau=... [mNm]; of a larger machine state the unit: tau=... [Nm]", "unit"
         )
-        findings.append(Finding("unit", "tau", int(usable.sum()), (), message, "warning"))
+        findings.append(Finding("unit", "tau", int(usable.sum()), (), found, "warning", advice))
     if "theta" in names:
         t, theta = columns["t"][usable], columns["theta"][usable]
         reason = _counts_of_degrees(theta) or _faster_than_hands(t, theta)
         if reason:
-            findings.append(Finding("unit", "theta", int(usable.sum()), (), f"theta: {reason}", "warning"))
+            found = said("{theta}: {reason}", reason=reason[0])
+            advice = Advice(reason[1], "unit")
+            findings.append(Finding("unit", "theta", int(usable.sum()), (), found, "warning", advice))
     return findings
 
 
-def _faster_than_hands(t: FloatArray, theta: FloatArray) -> str | None:
-    """Say that no hand turns so fast all the time, or for a moment that far to and fro."""
+def _faster_than_hands(t: FloatArray, theta: FloatArray) -> tuple[str, str] | None:
+    """Say that no hand turns so fast all the time, or for a moment that far to and fro; and what to do."""
     span = max(1, round(_SPAN_S * len(t) / max(float(t[-1] - t[0]), 1e-9)))
     if len(t) <= span:
         return None
@@ -66,16 +69,16 @@ def _faster_than_hands(t: FloatArray, theta: FloatArray) -> str | None:
     usual, most = quantile(speeds, _MOSTLY), quantile(speeds, _MOMENTS)
     remedy = "if it is in degrees, map theta=... [deg]; of a motor state the unit: theta=... [rad]"
     if usual > LARGEST_RAD_S:
-        return f"{usual:.4g} rad/s is faster than hands turn; {remedy}"
+        return f"{usual:.4g} rad/s is faster than hands turn", remedy
     wide = float(np.ptp(theta))
     to_and_fro = float(np.sum(np.abs(np.diff(theta[::span])))) >= _AGAIN * wide
     if most > LARGEST_RAD_S and wide > _REACH_RAD and to_and_fro:
         turns = wide / math.tau
-        return f"{most:.4g} rad/s to and fro over {turns:.3g} turns is more than hands do; {remedy}"
+        return f"{most:.4g} rad/s to and fro over {turns:.3g} turns is more than hands do", remedy
     return None
 
 
-def _counts_of_degrees(theta: FloatArray) -> str | None:
+def _counts_of_degrees(theta: FloatArray) -> tuple[str, str] | None:
     """Say that the angle's steps are those of a binary encoder in degrees, which in radians none has."""
     step = np.abs(np.diff(theta))
     moved = step[step > 0.0]
@@ -89,6 +92,6 @@ def _counts_of_degrees(theta: FloatArray) -> str | None:
     if not (np.abs(moved / least - np.rint(moved / least)) < 0.01).all():
         return None
     return (
-        f"its steps of {least:.6g} are 360/{2 ** round(bits)}, so it is in degrees: map theta=... [deg], "
-        "or theta=... [rad] if it is not"
+        f"its steps of {least:.6g} are 360/{2 ** round(bits)}, so it is in degrees",
+        "map theta=... [deg], or theta=... [rad] if it is not",
     )

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arrays import BoolArray, FloatArray, groups
+from ...base.said import Advice, said
 from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import Coordinate
 from .missed import check_missed
@@ -93,11 +94,12 @@ def check_steps(
     bad["stale"][index[1:][stale]] = True
     if stale.any():
         at = rows[index[1:][stale]]
-        message = (
-            f"{len(at)} rows repeat the row before them while the knob moves ({rows_in_words(at)}): "
-            "they were not measured; masked"
+        words = said(
+            "{count} rows repeat the row before them while the knob moves ({rows}): they were not measured",
+            count=len(at),
+            rows=rows_in_words(at),
         )
-        findings.append(Finding("stale", "theta", len(at), spans(at), message, "masked"))
+        findings.append(Finding("stale", "theta", len(at), spans(at), words, "masked"))
 
     spike = _there_and_back(step - expected, CLEAR * noise) & ~stale[:-1] & ~stale[1:]
     bad["spike"][index[1:-1][spike]] = True
@@ -117,23 +119,30 @@ def check_steps(
         for row in (-2, -1, 0, 1):
             bad["jump"][index[np.clip(1 + at + row, 0, len(index) - 1)]] = True
         leapt = rows[index[1:][at]]
-        what = f"theta: leaps by {step[at[0]]:.4g} at {rows_in_words(leapt)} and goes on from there"
+        what = said(
+            "{theta}: leaps by {by:.4g} at {rows} and goes on from there",
+            by=step[at[0]],
+            rows=rows_in_words(leapt),
+        )
         apart = "positions of one part are not those of the other"
         if len(at) == 1:
             shorter = min(index[: at[0] + 1], index[at[0] + 1 :], key=len)
             bad["jump"][shorter] = True
-            message = (
-                f"{what}, as where two logs were joined: {apart}, so the shorter one, {len(shorter)} rows, "
-                "is masked; --start and --end choose the other"
+            words = said(
+                "{what}, as where two logs were joined: {apart}, so the shorter one, {count} rows, is left "
+                "out",
+                what=what,
+                apart=apart,
+                count=len(shorter),
             )
-            found = rows[shorter]
-            findings.append(Finding("jump", "theta", len(found), spans(found), message, "masked"))
+            out, advice = rows[shorter], Advice("--start and --end choose the other", "parts")
+            findings.append(Finding("jump", "theta", len(out), spans(out), words, "masked", advice))
         else:
-            message = (
-                f"{what}; what lies before and after is filtered apart, but {apart}: keep one with --start "
-                "and --end if the log was joined"
+            words = said(
+                "{what}; what lies before and after is filtered apart, but {apart}", what=what, apart=apart
             )
-            findings.append(Finding("jump", "theta", len(leapt), spans(leapt), message, "warning"))
+            advice = Advice("keep one with --start and --end if the log was joined", "parts")
+            findings.append(Finding("jump", "theta", len(leapt), spans(leapt), words, "warning", advice))
         clear &= ~leap
 
     # What a repeated row held back comes with the next one.
@@ -149,11 +158,13 @@ def check_steps(
         shift[index[1:]] = lost
         if "lost:t" not in overruled:
             t = t + np.cumsum(shift) / rate_hz
-        message = (
-            f"t: about {count} rows are missing after {rows_in_words(at)}, where the angle advances by "
-            "several steps in one though the clock counted on; later times are moved, nothing is filled in"
+        words = said(
+            "{t}: about {count} rows are missing after {rows}, where the angle advances by several steps in "
+            "one though the clock counted on; later times are moved, nothing is filled in",
+            count=count,
+            rows=rows_in_words(at),
         )
-        findings.append(Finding("lost", "t", count, spans(at), message, "mended"))
+        findings.append(Finding("lost", "t", count, spans(at), words, "mended"))
     masked = np.zeros(len(rows), dtype=np.bool_)
     for kind, off_it in bad.items():
         masked |= off_it & (f"{kind}:theta" not in overruled)
@@ -166,8 +177,10 @@ def _leapt_away(rows: Rows, off: BoolArray) -> list[Finding]:
         return []
     at = rows[off]
     lasting = "a row" if (np.diff(at) > 1).all() else "a row or a few"
-    message = f"theta: leaps away and back within {lasting} at {rows_in_words(at)}; masked"
-    return [Finding("spike", "theta", len(at), spans(at), message, "masked")]
+    words = said(
+        "{theta}: leaps away and back within {lasting} at {rows}", lasting=lasting, rows=rows_in_words(at)
+    )
+    return [Finding("spike", "theta", len(at), spans(at), words, "masked")]
 
 
 def _away(theta: FloatArray, leaps: NDArray[np.intp]) -> BoolArray:
@@ -201,8 +214,11 @@ def _unwrap(theta: FloatArray, index: NDArray[np.intp], rows: Rows) -> tuple[Flo
     at = rows[index[1:][wraps]]
     theta = theta.copy()
     theta[index[1:]] -= math.tau * np.cumsum(np.where(wraps, turns, 0.0))
-    message = f"theta: jumps by whole turns at {rows_in_words(at)}, where it wraps; it is taken on from there"
-    return theta, [Finding("wrap", "theta", len(at), spans(at), message, "mended")]
+    words = said(
+        "{theta}: jumps by whole turns at {rows}, where it wraps; it is taken on from there",
+        rows=rows_in_words(at),
+    )
+    return theta, [Finding("wrap", "theta", len(at), spans(at), words, "mended")]
 
 
 def _expected(step: FloatArray, dt: FloatArray, least: float) -> tuple[FloatArray, float]:

@@ -8,6 +8,7 @@ from bisect import bisect_left
 import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray
+from ...base.said import Advice, said
 from ...errors import InputError
 from ..finding import Finding, Rows, rows_in_words, spans
 from .order import quantile
@@ -63,7 +64,11 @@ def check_times(t: FloatArray, rows: Rows, source: str) -> tuple[BoolArray, list
                 "t",
                 missing,
                 spans(before),
-                f"t: about {missing} samples are missing after {rows_in_words(before)}; nothing is filled in",
+                said(
+                    "{t}: about {missing} samples are missing after {rows}; nothing is filled in",
+                    missing=missing,
+                    rows=rows_in_words(before),
+                ),
                 "warning",
             )
         )
@@ -78,9 +83,17 @@ def check_times(t: FloatArray, rows: Rows, source: str) -> tuple[BoolArray, list
                 "t",
                 int(off.sum()),
                 spans(late),
-                f"t: sampling is uneven: intervals from {low:.4g} to {high:.4g} ms, usually "
-                f"{1e3 * usual:.4g} ms; {share:.1%} of them are off by more than {JITTER_TOLERANCE:.0%} "
-                f"({rows_in_words(late)}); the stamps are used as they are",
+                said(
+                    "{t}: sampling is uneven: intervals from {low:.4g} to {high:.4g} ms, usually {usual:.4g} "
+                    "ms; {share:.1%} of them are off by more than {tolerance:.0%} ({rows}); the stamps are "
+                    "used as they are",
+                    low=low,
+                    high=high,
+                    usual=1e3 * usual,
+                    share=share,
+                    tolerance=JITTER_TOLERANCE,
+                    rows=rows_in_words(late),
+                ),
                 "note",
             )
         )
@@ -112,10 +125,11 @@ def run_on(t: FloatArray, rows: Rows) -> tuple[FloatArray, list[Finding]]:
     shift = np.zeros(len(t))
     shift[index[np.array(begins) + 1]] = usual - step[begins]
     at = rows[index[np.array(begins) + 1]]
-    message = (
-        f"t: the clock begins anew at {rows_in_words(at)}; it is taken on from there, as if no row was lost"
+    found = said(
+        "{t}: the clock begins anew at {rows}; it is taken on from there, as if no row was lost",
+        rows=rows_in_words(at),
     )
-    return t + np.cumsum(shift), [Finding("restart", "t", len(at), spans(at), message, "mended")]
+    return t + np.cumsum(shift), [Finding("restart", "t", len(at), spans(at), found, "mended")]
 
 
 def spread(t: FloatArray, others: list[FloatArray], rows: Rows) -> tuple[FloatArray, list[Finding]]:
@@ -137,11 +151,13 @@ def spread(t: FloatArray, others: list[FloatArray], rows: Rows) -> tuple[FloatAr
     if not np.mean(anew) > _NEW or np.ptp(t - even) > _WITHIN * tick:
         return t, []
     many = int(repeats.sum())
-    message = (
-        f"t: {many} samples repeat the time stamp before them: the clock ticks every {1e3 * tick:.4g} ms, "
-        "and the rows between come evenly; their stamps are spread evenly"
+    found = said(
+        "{t}: {many} samples repeat the time stamp before them: the clock ticks every {tick:.4g} ms, and the "
+        "rows between come evenly; their stamps are spread evenly",
+        many=many,
+        tick=1e3 * tick,
     )
-    return even, [Finding("duplicate", "t", many, spans(rows[1:][repeats]), message, "mended")]
+    return even, [Finding("duplicate", "t", many, spans(rows[1:][repeats]), found, "mended")]
 
 
 def _rising(t: FloatArray, rows: Rows) -> tuple[BoolArray, list[Finding]]:
@@ -159,10 +175,16 @@ def _rising(t: FloatArray, rows: Rows) -> tuple[BoolArray, list[Finding]]:
                 "t",
                 len(duplicate),
                 spans(rows[duplicate]),
-                f"t: {len(duplicate)} samples repeat the time stamp before them "
-                f"({rows_in_words(rows[duplicate])}); masked; if the stamps are merely rounded, "
-                f"leave t out of the map and give the sampling rate",
+                said(
+                    "{t}: {count} samples repeat the time stamp before them ({rows})",
+                    count=len(duplicate),
+                    rows=rows_in_words(rows[duplicate]),
+                ),
                 "masked",
+                Advice(
+                    "if the stamps are merely rounded, leave t out of the map and give the sampling rate",
+                    "command",
+                ),
             )
         )
     if np.any(step < 0.0):
@@ -176,8 +198,11 @@ def _rising(t: FloatArray, rows: Rows) -> tuple[BoolArray, list[Finding]]:
                 "t",
                 len(backward),
                 spans(rows[backward]),
-                f"t: {len(backward)} samples have stamps out of order ({rows_in_words(rows[backward])}); "
-                f"masked",
+                said(
+                    "{t}: {count} samples have stamps out of order ({rows})",
+                    count=len(backward),
+                    rows=rows_in_words(rows[backward]),
+                ),
                 "masked",
             )
         )
@@ -210,13 +235,5 @@ def _implausible(rate: float) -> list[Finding]:
     if slowest <= rate <= fastest:
         return []
     unit = "ms or us, map t=... [ms]" if rate < slowest else "ks, or the counter of a clock, map its unit"
-    return [
-        Finding(
-            "rate",
-            "t",
-            1,
-            (),
-            f"t: a sampling rate of {rate:.4g} Hz is unusual; if t is in {unit}",
-            "note",
-        )
-    ]
+    found = said("{t}: a sampling rate of {rate:.4g} Hz is unusual", rate=rate)
+    return [Finding("rate", "t", 1, (), found, "note", Advice(f"if t is in {unit}", "unit"))]

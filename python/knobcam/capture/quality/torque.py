@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arrays import BoolArray, FloatArray, runs
+from ...base.said import Advice, Said, said
 from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import GIVEN
 from .order import medians, quantile
@@ -64,18 +65,25 @@ def check_clipping(
         step = np.diff(theta)[at[1:] & at[:-1]]
         if step.size and step[0] != 0.0 and np.ptp(step) <= 1e-6 * abs(step[0]):
             continue
-        message = (
-            f"tau: {int(at.sum())} samples sit at its {side} limit {extreme:.6g}, up to "
-            f"{_longest_run(at)} in a row ({rows_in_words(rows[at])}): "
+        where = ("tau", int(at.sum()), spans(rows[at]))
+        told = said(
+            "{tau}: {count} samples sit at its {side} limit {extreme:.6g}, up to {longest} in a row "
+            "({rows}): ",
+            count=where[1],
+            side=side,
+            extreme=extreme,
+            longest=_longest_run(at),
+            rows=rows_in_words(rows[at]),
         )
         if limit == "sensor":
             clipped |= at
-            message += "the sensor is saturated; masked, unless it is the drive's limit (--limit actuator)"
-            found = Finding("clipped", "tau", int(at.sum()), spans(rows[at]), message, "masked")
+            told = Said(told, "the sensor is saturated")
+            advice = Advice("if it is the drive's limit, choose --limit actuator", "drive")
+            findings.append(Finding("clipped", *where, told, "masked", advice))
         else:
-            message += "the drive's limit, so they count, unless the sensor is saturated (--limit sensor)"
-            found = Finding("limit", "tau", int(at.sum()), spans(rows[at]), message, "note")
-        findings.append(found)
+            told = Said(told, "the drive's limit, so they count")
+            advice = Advice("if the sensor is saturated, choose --limit sensor", "command")
+            findings.append(Finding("limit", *where, told, "note", advice))
     return clipped, findings
 
 
@@ -103,8 +111,10 @@ def check_spikes(
         return spikes, []
     found = rows[spikes]
     lasting = "a single row" if (np.diff(found) > 1).all() else "a row or a few"
-    message = f"tau: leaps for {lasting} at {rows_in_words(found)}, which no knob does; masked"
-    return spikes, [Finding("spike", "tau", len(found), spans(found), message, "masked")]
+    told = said(
+        "{tau}: leaps for {lasting} at {rows}, which no knob does", lasting=lasting, rows=rows_in_words(found)
+    )
+    return spikes, [Finding("spike", "tau", len(found), spans(found), told, "masked")]
 
 
 def _alone(columns: dict[str, FloatArray], index: NDArray[np.intp]) -> NDArray[np.intp]:

@@ -50,8 +50,8 @@ async function upload(file, options = {}) {
 }
 async function download(what) {
   const answer = await request(`/api/download?${new URLSearchParams({ what })}`);
-  const named = /filename="?([^";]+)"?/.exec(answer.headers.get("content-disposition") ?? "");
-  return { name: named ? named[1] : `knobcam-${what}`, blob: await answer.blob() };
+  const named2 = /filename="?([^";]+)"?/.exec(answer.headers.get("content-disposition") ?? "");
+  return { name: named2 ? named2[1] : `knobcam-${what}`, blob: await answer.blob() };
 }
 function listen(heard) {
   const source = new EventSource(`/api/events?${new URLSearchParams({ token })}`);
@@ -93,6 +93,27 @@ function shown(element2) {
   element2.classList.add("shown");
 }
 
+// src/names.js
+var titles = {};
+var meanings = {};
+function known({ titles: called2, params = [] }) {
+  titles = called2;
+  meanings = Object.fromEntries(params.map(({ name, meaning: meaning2 }) => [name, meaning2]));
+}
+function titleOf(effect) {
+  return titles[effect] ?? effect;
+}
+function paramOf(name) {
+  const [effect, ...own] = name.split(".");
+  return `${meanings[name] || own.join(".")} (${titleOf(effect)})`;
+}
+function named(words3, id) {
+  return make("span", { text: words3, title: words3 === id ? null : id });
+}
+function listed(effects, between3) {
+  return effects.flatMap((effect, at) => [at > 0 ? between3 : "", named(titleOf(effect), effect)]);
+}
+
 // src/numbers.js
 function number(value, digits = 3) {
   if (value === null || !Number.isFinite(value)) return "–";
@@ -117,6 +138,14 @@ function unitWords(unit) {
 function torqueWord(unit) {
   const words3 = { N: "force", A: "current", V: "voltage", duty: "duty cycle" };
   return words3[unit] ?? "torque";
+}
+function motionWords({ coordinate }) {
+  const [place4, way] = coordinate === "linear" ? ["position", "m"] : ["angle", "rad"];
+  return {
+    theta: { name: place4, unit: way },
+    omega: { name: "velocity", unit: `${way}/s` },
+    alpha: { name: "acceleration", unit: unitWords(`${way}/s^2`) }
+  };
 }
 function ticks(low, high, count) {
   const span4 = high - low;
@@ -144,7 +173,7 @@ function showBranches(place4, state, beside, deeds) {
   const cards = state.branches.map(({ id, name, steps, at }) => {
     const step = steps[at];
     const changed = steps.slice(1, at + 1).filter(({ added, dropped }) => added || dropped);
-    const changes = changed.map(({ added, dropped }) => added ? `+ ${added}` : `− ${dropped}`);
+    const changes = changed.map(({ added, dropped }) => added ? `+ ${titleOf(added)}` : `− ${titleOf(dropped ?? "")}`);
     const words3 = changes.join(" ") || "nothing added";
     const card = make(
       "button",
@@ -171,17 +200,422 @@ function showBranches(place4, state, beside, deeds) {
   }
 }
 
+// src/spectrum.js
+var SEEN = 1e-3;
+var LEAST = 0.02;
+function spectrumOf(split) {
+  if (!split) return null;
+  const level = split.band.map((value) => value ?? 0);
+  const highest = Math.max(...level);
+  const middle = split.low.map((low, at) => (low + split.high[at]) / 2);
+  const shown2 = [...middle.keys()].filter((at) => middle[at] > 0 && level[at] > SEEN * highest);
+  if (shown2.length < 2) return null;
+  const levels = shown2.map((at) => level[at]).sort((a, b) => a - b);
+  const least = LEAST * levels[levels.length >> 1];
+  return {
+    x: shown2.map((at) => Math.log10(middle[at])),
+    y: shown2.map((at) => Math.log10(Math.max(split.mean[at], least))),
+    chance: shown2.map((at) => Math.log10(level[at]))
+  };
+}
+function drawSpectrum(brush, { x, y, chance }, { across, up, bottom }, colours) {
+  brush.globalAlpha = 0.35;
+  brush.fillStyle = colours.band;
+  brush.beginPath();
+  brush.moveTo(across(x[0]), bottom);
+  for (const [at, value] of x.entries()) brush.lineTo(across(value), up(chance[at]));
+  brush.lineTo(across(x[x.length - 1]), bottom);
+  brush.fill();
+  brush.globalAlpha = 1;
+  brush.strokeStyle = colours.wrong;
+  brush.lineWidth = 1.2;
+  brush.beginPath();
+  for (const [at, value] of x.entries()) brush.lineTo(across(value), up(y[at]));
+  brush.stroke();
+}
+
+// src/axes.js
+var MARGIN = { left: 52, right: 10, top: 22, bottom: 34 };
+function drawAxes(brush, size, { x, y, title, colours, noise, bins, spectrum }) {
+  const { left, top } = MARGIN;
+  const [right, bottom] = [size.width - MARGIN.right, size.height - MARGIN.bottom];
+  brush.clearRect(0, 0, size.width, size.height);
+  brush.font = "11px system-ui, 'DejaVu Sans', sans-serif";
+  brush.lineWidth = 1;
+  const across = (value) => left + (value - x.low) / (x.high - x.low) * (right - left);
+  const up = (value) => bottom - (value - y.low) / (y.high - y.low) * (bottom - top);
+  brush.strokeStyle = colours.line;
+  brush.fillStyle = colours.soft;
+  brush.textAlign = "center";
+  brush.textBaseline = "top";
+  for (const [value, text] of ticksOf(x, (right - left) / 70)) {
+    const at = Math.round(across(value)) + 0.5;
+    stroke(brush, at, top, at, bottom);
+    brush.fillText(text, at, bottom + 4);
+  }
+  brush.textAlign = "right";
+  brush.textBaseline = "middle";
+  for (const [value, text] of ticksOf(y, (bottom - top) / 32)) {
+    const at = Math.round(up(value)) + 0.5;
+    stroke(brush, left, at, right, at);
+    brush.fillText(text, left - 5, at);
+  }
+  if (noise) {
+    brush.save();
+    brush.strokeStyle = colours.ink;
+    brush.setLineDash([5, 4]);
+    for (const value of [-noise, noise]) {
+      const at = Math.round(up(value)) + 0.5;
+      if (at > top && at < bottom) stroke(brush, left, at, right, at);
+    }
+    brush.restore();
+  }
+  if (bins || spectrum) {
+    brush.save();
+    brush.beginPath();
+    brush.rect(left, top, right - left, bottom - top);
+    brush.clip();
+    if (bins) drawBins(brush, bins, across, up, colours);
+    if (spectrum) drawSpectrum(brush, spectrum, { across, up, bottom }, colours);
+    brush.restore();
+  }
+  brush.strokeStyle = colours.soft;
+  stroke(brush, left + 0.5, top, left + 0.5, bottom);
+  stroke(brush, left, bottom + 0.5, right, bottom + 0.5);
+  brush.textAlign = "right";
+  brush.textBaseline = "bottom";
+  brush.fillText(x.label, right, size.height - 2);
+  brush.textAlign = "left";
+  brush.fillText(y.label, 4, top - 5);
+  brush.fillStyle = colours.ink;
+  brush.font = "600 12px system-ui, 'DejaVu Sans', sans-serif";
+  brush.textAlign = "right";
+  brush.fillText(title, right, top - 4);
+}
+function ticksOf({ low, high, factor, log }, count) {
+  if (!log) return ticks(low * factor, high * factor, count).map((value) => [value / factor, number(value, 6)]);
+  const few = count / (high - low) >= 3 ? [1, 2, 5] : [1];
+  const decades = Array.from({ length: Math.ceil(high) - Math.floor(low) + 1 }, (_, at) => 10 ** (Math.floor(low) + at));
+  const shift = Math.log10(factor);
+  return decades.flatMap((decade) => few.map((digit) => digit * decade)).map((value) => (
+    /** @type {[number, string]} */
+    [Math.log10(value) - shift, number(value, 1)]
+  )).filter(([at]) => at >= low && at <= high);
+}
+function drawBins(brush, bins, across, up, { ink, band: band2 }) {
+  const edges = bins.low.map((low, at) => [across(low), across(bins.high[at])]);
+  brush.globalAlpha = 0.35;
+  brush.fillStyle = band2;
+  for (const [at, [from, to]] of edges.entries()) {
+    const half = bins.band[at];
+    if (half) brush.fillRect(from, up(half), to - from, up(-half) - up(half));
+  }
+  brush.globalAlpha = 1;
+  brush.strokeStyle = ink;
+  brush.lineWidth = 2;
+  for (const [at, [from, to]] of edges.entries()) {
+    brush.setLineDash(bins.direction[at] < 0 ? [3, 2] : []);
+    stroke(brush, from, up(bins.mean[at]), to, up(bins.mean[at]));
+  }
+}
+function stroke(brush, x0, y0, x1, y1) {
+  brush.beginPath();
+  brush.moveTo(x0, y0);
+  brush.lineTo(x1, y1);
+  brush.stroke();
+}
+function limits(columns, { air = 0.03, around = NaN } = {}) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const column of columns) {
+    for (let i = 0; i < column.length; i++) {
+      if (column[i] < low) low = column[i];
+      if (column[i] > high) high = column[i];
+    }
+  }
+  if (around < low) low = around;
+  if (around > high) high = around;
+  if (!(low <= high)) return [-1, 1];
+  const room = high > low ? air * (high - low) : Math.abs(low) || 1;
+  return [low - room, high + room];
+}
+
+// src/remembered.js
+function remembered(work) {
+  const known2 = /* @__PURE__ */ new WeakMap();
+  return (key2, ...others) => {
+    const before = known2.get(key2);
+    if (before && before.others.every((one, at) => one === others[at])) return before.told;
+    const told = work(key2, ...others);
+    known2.set(key2, { others, told });
+    return told;
+  };
+}
+
+// src/outliers.js
+var TIMES = 2;
+var SHARE = 2e-4;
+var FEW = 3;
+var mostReach = remembered((values) => {
+  const few = Math.max(FEW, SHARE * values.length);
+  for (let reach2 = Infinity; ; ) {
+    let [most, beyond] = [0, 0];
+    for (let i = 0; i < values.length; i++) {
+      const size = Math.abs(values[i]);
+      if (size <= reach2 && size > most) most = size;
+    }
+    for (let i = 0; i < values.length; i++) if (Math.abs(values[i]) > most / TIMES) beyond++;
+    if (most === 0 || beyond > few) return most;
+    reach2 = most / TIMES;
+  }
+});
+var mostLimits = remembered((one, other) => {
+  const columns = [one, other];
+  const few = Math.max(FEW, SHARE * columns[0].length);
+  let [low, high] = within(columns, -Infinity, Infinity);
+  const whole = (
+    /** @type {[number, number]} */
+    [low, high]
+  );
+  while (low < high) {
+    const quarter = 0.25 * (high - low);
+    let [above, below] = [0, 0];
+    for (const y of columns) {
+      for (let i = 0; i < y.length; i++) {
+        if (y[i] > high - quarter) above++;
+        else if (y[i] < low + quarter) below++;
+      }
+    }
+    if (above > few && below > few) break;
+    [low, high] = within(columns, below > few ? low : low + quarter, above > few ? high : high - quarter);
+  }
+  return whole[1] - whole[0] > TIMES * (high - low) ? [low, high] : whole;
+});
+function within(columns, low, high) {
+  let [least, most] = [Infinity, -Infinity];
+  for (const y of columns) {
+    for (let i = 0; i < y.length; i++) {
+      if (y[i] < low || y[i] > high) continue;
+      if (y[i] < least) least = y[i];
+      if (y[i] > most) most = y[i];
+    }
+  }
+  return least <= most ? [least, most] : [NaN, NaN];
+}
+function beyondWords(y, low, high) {
+  let count = 0;
+  for (let i = 0; i < y.length; i++) if (y[i] < low || y[i] > high) count++;
+  return count === 0 ? "" : ` (${count.toLocaleString("en")} ${count === 1 ? "sample" : "samples"} beyond, at the edge)`;
+}
+
+// src/contents.js
+var AXES = (
+  /** @type {Record<Along, AxisOf>} */
+  {
+    position: { words: "position", column: "theta", part: "position_part", units: ["rad", "m"] },
+    velocity: { words: "velocity", column: "omega", part: "velocity_part", units: ["rad/s", "m/s"] },
+    acceleration: { words: "acceleration", column: "alpha", part: null, units: ["rad/s²", "m/s²"] },
+    load: { words: "modelled torque", column: null, part: null, units: null },
+    history: { words: "distance since reversal", column: "history", part: null, units: ["rad", "m"] },
+    time: { words: "time", column: "t", part: null, units: ["s", "s"] },
+    frequency: { words: "frequency", column: null, part: null, units: ["Hz", "Hz"] }
+  }
+);
+var USUAL = ["position", "velocity", "time"];
+var NAME = 32;
+function columnsOf(view) {
+  const needed = ["t", "theta", "omega", "tau", "residual"];
+  for (const { column } of view.axes.map((along) => AXES[along])) if (column && !needed.includes(column)) needed.push(column);
+  if (view.axes.includes("time")) needed.push("masked");
+  if (view.isolated) needed.push("position_part", "velocity_part");
+  if (view.band) needed.push("band");
+  return needed;
+}
+function reachOf({ columns, beside, noise }) {
+  const shown2 = beside ? [columns.residual, beside.residual] : [columns.residual];
+  return Math.max(...shown2.map((one) => mostReach(one)), 2 * (noise ?? 0)) || 1;
+}
+function rowsOf(data, view, widest) {
+  const { columns, beside } = data;
+  const word = torqueWord(data.unit);
+  const model = modelOf(columns.residual, columns.tau);
+  const other = beside ? modelOf(beside.residual, columns.tau) : null;
+  const scale = torqueScale(data);
+  const [ownLabel, besideLabel] = [columns, beside].map((one) => one ? `residual, ${scale.unit}${beyondWords(one.residual, -1.04 * widest, 1.04 * widest)}` : "");
+  return view.axes.map((along) => {
+    if (along === "frequency") return { torque: null, residual: alongFrequency(data), beside: null };
+    const axis2 = AXES[along];
+    const x = axis2.column ? columns[axis2.column] : model;
+    const common = { x, xAxis: axisOf(along, x, data), picked: 0 };
+    const part = view.isolated && axis2.part ? columns[axis2.part] : null;
+    const { measured: measured2, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: model };
+    const series = [
+      ...along === "time" && columns.masked && !part ? [{ colour: "--masked", chosen: "--chosen", y: columns.masked, strength: 1 }] : [],
+      { colour: "--measured", chosen: "--chosen", y: measured2, strength: 0.4 },
+      ...view.band && columns.band ? band(modelled, columns.band) : [],
+      ...other && !part ? [{ colour: "--beside", chosen: "--beside", y: other, strength: 0.35 }] : [],
+      { colour: "--modelled", chosen: "--modelled", y: modelled, strength: 0.35 }
+    ];
+    const [lowest, highest] = limits([Float32Array.from(mostLimits(modelled, counted(modelled, measured2)))]);
+    const torque = {
+      ...common,
+      picked: series.findIndex(({ colour }) => colour === "--measured"),
+      // masked samples are not taken by a brush
+      xAxis: { ...common.xAxis, label: "" },
+      // where it is chosen it stands already
+      yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}${beyondWords(measured2, lowest, highest)}` },
+      title: part ? `what depends on ${along} alone` : `${word} over ${axis2.words}`,
+      series,
+      noise: null
+    };
+    const rest = (y, label, colour, title) => ({
+      ...common,
+      yAxis: { low: -1.04 * widest, high: 1.04 * widest, factor: scale.factor, label },
+      title,
+      series: [{ colour, chosen: "--chosen", y, strength: 0.3 }],
+      noise: data.noise && 2 * data.noise
+    });
+    const own = beside && data.name ? `residual, ${short(data.name)}` : "measured − modelled";
+    return {
+      torque,
+      residual: rest(columns.residual, ownLabel, "--wrong", own),
+      beside: beside ? rest(beside.residual, besideLabel, "--beside", `residual, ${short(beside.name)}`) : null
+    };
+  });
+}
+function alongFrequency({ splits, unit, peak, fitted }) {
+  const spectrum = spectrumOf(splits?.find(({ axis: axis2 }) => axis2 === "frequency"));
+  const [least, most] = spectrum ? limits([spectrum.y, spectrum.chance].map((one) => Float32Array.from(one))) : [-4, -2];
+  const [low, high] = spectrum ? [spectrum.x[0], spectrum.x[spectrum.x.length - 1]] : [0, 3];
+  const scale = torqueScale({ unit, peak });
+  return {
+    ...{ x: new Float32Array(0), series: [], picked: 0, noise: null, spectrum },
+    title: fitted ? "residual over frequency, beside what chance stays below" : "over frequency: of a fit only",
+    xAxis: { low, high, factor: 1, label: "", log: true },
+    yAxis: { low: least, high: most, factor: scale.factor, label: `RMS per bin, ${scale.unit}`, log: true }
+  };
+}
+function axisOf(along, x, data) {
+  const [low, high] = span(x);
+  return { low, high, factor: 1, label: labelOf(along, data) };
+}
+function labelOf(along, { unit, coordinate }) {
+  const { words: words3, units } = AXES[along];
+  return `${words3}, ${units ? units[coordinate === "linear" ? 1 : 0] : unit}`;
+}
+function samplesIn({ columns }, { axis: axis2, low, high, direction }) {
+  if (axis2 === "frequency") return null;
+  const { column } = AXES[axis2];
+  const x = column ? columns[column] : modelOf(columns.residual, columns.tau);
+  const found2 = [];
+  for (let i = 0; i < x.length; i++) {
+    const counts = columns.residual[i] === columns.residual[i] && x[i] >= low && x[i] <= high;
+    if (counts && (direction === 0 || Math.sign(columns.omega[i]) === direction)) found2.push(i);
+  }
+  return Uint32Array.from(found2);
+}
+var modelOf = remembered((residual, tau) => {
+  const model = new Float32Array(tau.length);
+  for (let i = 0; i < tau.length; i++) model[i] = tau[i] - residual[i];
+  return model;
+});
+var counted = remembered((model, tau) => {
+  const measured2 = new Float32Array(tau.length);
+  for (let i = 0; i < tau.length; i++) measured2[i] = model[i] === model[i] ? tau[i] : NaN;
+  return measured2;
+});
+var span = remembered((x) => limits([x], { air: 0.01 }));
+function short(name) {
+  return name.length > NAME ? `${name.slice(0, NAME)}…` : name;
+}
+function isolated({ residual }, part) {
+  return { measured: part.map((value, i) => value + residual[i]), modelled: part };
+}
+function band(modelled, half) {
+  return [-1, 1].map((side) => ({
+    colour: "--band",
+    chosen: null,
+    y: modelled.map((value, i) => value + side * half[i]),
+    strength: 0.6
+  }));
+}
+
+// src/said.js
+function aboutOf({ unit, peak, captures }) {
+  return { unit, peak, coordinate: captures[0]?.coordinate ?? "rotary" };
+}
+var DIRECTIONS = /* @__PURE__ */ new Map([[1, " forward"], [-1, " backward"]]);
+var AGAIN = "open the file once more and";
+var WAYS = {
+  columns: `if a column is something else, ${AGAIN} say which is which`,
+  unit: `if it is in another unit, ${AGAIN} choose that`,
+  minus: `${AGAIN} write a minus before that column`,
+  unwrap: `if the angle wraps around, ${AGAIN} write unwrap(…) around that column`,
+  parts: "if the log was joined, open its parts as files of their own",
+  drive: "if that is the drive's limit, switch it off",
+  command: ""
+};
+function wordsOfPart(part, about2) {
+  if (typeof part === "string") return part;
+  if ("text" in part) return measured(part, about2);
+  if ("low" in part) return stretch(part, about2);
+  if ("along" in part) return axisWord(part.along);
+  if ("effect" in part) return titleOf(part.effect);
+  if ("param" in part) return paramOf(part.param);
+  if ("column" in part) return columnWord(part.column, about2);
+  if ("topic" in part) return part.words;
+  return adviceOf(part);
+}
+function sentence(parts, about2) {
+  return parts.map((part) => wordsOfPart(part, about2)).join("");
+}
+function nodes(parts, about2) {
+  return parts.map((part) => {
+    const words3 = wordsOfPart(part, about2);
+    if (typeof part === "object" && "effect" in part) return named(words3, part.effect);
+    return typeof part === "object" && "param" in part ? named(words3, part.param) : words3;
+  });
+}
+function adviceOf({ advice, way }) {
+  return WAYS[way] ?? advice;
+}
+function measured({ value, unit, text }, about2) {
+  const scale = scaleOf(unit, about2);
+  const shown2 = scale.factor === 1 ? text.replaceAll("-", "−") : number(value * scale.factor);
+  return `${shown2} ${unitWords(scale.unit)}`;
+}
+function stretch({ low, high, unit, direction }, about2) {
+  const scale = scaleOf(unit, about2);
+  const [from, to] = [low, high].map((end) => number(end * scale.factor, 4));
+  return `${from} to ${to} ${unitWords(scale.unit)}${DIRECTIONS.get(direction) ?? ""}`;
+}
+function scaleOf(unit, about2) {
+  return unit === about2.unit ? torqueScale(about2) : { factor: 1, unit };
+}
+function axisWord(axis2) {
+  return AXES[
+    /** @type {import("./contents.js").Along} */
+    axis2
+  ]?.words ?? axis2;
+}
+function columnWord(column, about2) {
+  const { theta, omega, alpha } = motionWords(about2);
+  const words3 = { t: "time", theta: theta.name, omega: omega.name, alpha: alpha.name, tau: torqueWord(about2.unit) };
+  return words3[column] ?? column;
+}
+
 // src/captures.js
-var FEW = 2;
+var FEW2 = 2;
 var SHORT = 5;
 var PLURAL = { note: "notes", warning: "warnings" };
-function showCaptures(place4, { captures, active }, { use, close }) {
-  const key2 = JSON.stringify([captures, active]);
+function showCaptures(place4, state, { use, close }) {
+  const { captures, active } = state;
+  const about2 = aboutOf(state);
+  const key2 = JSON.stringify([captures, active, about2]);
   if (place4.dataset.shown === key2) return;
   place4.dataset.shown = key2;
   if (captures.length === 1) {
     const [only] = captures;
-    place4.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only)));
+    place4.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only, about2)));
     return;
   }
   const shared = sharedHead(captures.map(({ name }) => name));
@@ -196,7 +630,7 @@ function showCaptures(place4, { captures, active }, { use, close }) {
         disabled: alone,
         on: { click: () => use(toggled(capture.id)) }
       },
-      ...words(capture, shared)
+      ...words(capture, about2, shared)
     );
     const away = make("button", {
       ...{ type: "button", class: "away", text: "×", "aria-label": `close ${capture.name}`, disabled: alone },
@@ -214,14 +648,19 @@ function sharedHead(names) {
   return alike < first.length && names.every((name) => name.length > word) && word > SHORT ? word : 0;
 }
 var called = (name, shared) => shared > 0 ? `…${name.slice(shared)}` : name;
-function words({ name, samples, rate_hz, findings }, shared = 0) {
+function words({ name, samples, rate_hz, findings }, about2, shared = 0) {
   const facts = ` ${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
-  const doubtful = findings.filter(({ note }) => !note);
-  const doubt = make("span", { class: "doubt", text: "⚠ ", title: doubtful.map(({ text }) => text).join("\n") });
+  const doubtful = findings.filter((one) => !isNote(one));
+  const doubt = make("span", { class: "doubt", text: "⚠ ", title: doubtful.map((one) => textOf(one, about2)).join("\n") });
   return [...doubtful.length > 0 ? [doubt] : [], make("strong", { text: called(name, shared) }), facts];
 }
-function showFindings(place4, { captures, active, limitations, notes, job }, deeds) {
-  const key2 = JSON.stringify([captures, active, limitations, notes, job === null]);
+var isNote = ({ severity, overruled }) => severity === "note" && !overruled;
+function textOf({ severity, said, advice }, about2) {
+  const way = advice && adviceOf(advice);
+  return `${severity}: ${sentence(said, about2)}${way ? `; ${way}` : ""}`;
+}
+function showFindings(place4, { captures, active, limitations, notes, job }, about2, deeds) {
+  const key2 = JSON.stringify([captures, active, limitations, notes, about2, job === null]);
   if (place4.dataset.shown === key2) return;
   place4.dataset.shown = key2;
   const focused = document.activeElement?.getAttribute("data-finding");
@@ -229,17 +668,17 @@ function showFindings(place4, { captures, active, limitations, notes, job }, dee
   const every = alikeInAll(fitted);
   const shared = sharedHead(fitted.map(({ name }) => name));
   const [several, all] = [fitted.length > 1, { id: "", name: "all: ", job }];
-  const apart = fitted.map((one) => ({ ...one, findings: one.findings.filter(({ text, note }) => !note || !every.has(text)) }));
+  const apart = fitted.map((one) => ({ ...one, findings: one.findings.filter((found3) => !isNote(found3) || !every.has(keyOf(found3))) }));
   const told = [...apart.flatMap(({ findings }) => findings), ...every.values()];
   const found2 = apart.flatMap(({ id, name, findings }) => {
-    const own2 = [...findings.filter(({ note }) => !note), ...findings.filter(({ note }) => note)];
-    return own2.map((one) => finding(one, { id, name: several ? `${called(name, shared)}: ` : "", job }, deeds));
+    const own2 = [...findings.filter((one) => !isNote(one)), ...findings.filter(isNote)];
+    return own2.map((one) => finding(one, { id, name: several ? `${called(name, shared)}: ` : "", job }, about2, deeds));
   });
-  found2.push(...[...every.values()].map((one) => finding(one, all, deeds)));
+  found2.push(...[...every.values()].map((one) => finding(one, all, about2, deeds)));
   const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
   const open = place4.querySelector("details")?.open ?? false;
-  const own = found2.length > FEW ? [folded(found2, told, open)] : found2;
+  const own = found2.length > FEW2 ? [folded(found2, told, open)] : found2;
   place4.replaceChildren(...noted, ...missing, ...own);
   const again = focused && place4.querySelector(`[data-finding="${CSS.escape(focused)}"]`);
   if (again instanceof HTMLElement) again.focus();
@@ -247,18 +686,21 @@ function showFindings(place4, { captures, active, limitations, notes, job }, dee
 function alikeInAll([first, ...others]) {
   if (!first || others.length === 0) return /* @__PURE__ */ new Map();
   const alike = first.findings.filter(
-    ({ text, note, seen }) => note && !seen && others.every(({ findings }) => findings.some((one) => one.note && one.text === text))
+    (note) => isNote(note) && !note.seen && others.every(({ findings }) => findings.some((one) => isNote(one) && keyOf(one) === keyOf(note)))
   );
-  return new Map(alike.map((one) => [one.text, one]));
+  return new Map(alike.map((one) => [keyOf(one), one]));
 }
+var keyOf = ({ said }) => JSON.stringify(said);
 function folded(items, told, open) {
-  const kinds = Map.groupBy(told, ({ text, overruled }) => overruled ? "overruled" : text.split(":")[0]);
+  const kinds = Map.groupBy(told, ({ severity, overruled }) => overruled ? "overruled" : severity);
   const words3 = [...kinds].map(([kind, those]) => `${those.length} ${PLURAL[kind] && those.length > 1 ? PLURAL[kind] : kind}`);
-  const doubtful = told.some(({ note, overruled }) => !note && !overruled);
+  const doubtful = told.some((one) => !isNote(one) && !one.overruled);
   const summary = make("summary", { class: doubtful ? "doubt" : "soft", text: `${doubtful ? "⚠ " : ""}${told.length} findings: ${words3.join(", ")}` });
   return make("li", {}, make("details", { open }, summary, make("ul", {}, ...items)));
 }
-function finding({ key: key2, text, note, overruled, stands, seen }, { id, name, job }, { see, overrule }) {
+function finding(found2, { id, name, job }, about2, { see, overrule }) {
+  const { key: key2, overruled, stands, seen } = found2;
+  const [text, note] = [textOf(found2, about2), isNote(found2)];
   const said = `${note || overruled ? "" : "⚠ "}${name}${text}`;
   const words3 = seen ? make("button", { type: "button", class: "leads", title: "show its samples", text: said, on: { click: () => see(id, key2) } }) : make("span", { text: said });
   const box = make("input", {
@@ -325,9 +767,9 @@ var Reader = class {
     return token2;
   }
   /** All up to where `ends` holds. @param {(token: string) => boolean} ends */
-  row(ends) {
+  row(ends2) {
     const found2 = [];
-    while (this.next !== void 0 && !ends(this.next)) {
+    while (this.next !== void 0 && !ends2(this.next)) {
       const one = this.scripted();
       if (one) found2.push(one);
     }
@@ -437,8 +879,8 @@ function plain2(token2) {
 }
 var namespace = once(() => new DOMParser().parseFromString("<math>", "text/html").querySelector("math")?.namespaceURI ?? null);
 function once(make2) {
-  let known = null;
-  return () => (known ??= { made: make2() }).made;
+  let known2 = null;
+  return () => (known2 ??= { made: make2() }).made;
 }
 function element([tag, attributes, ...children]) {
   const made = document.createElementNS(namespace(), tag);
@@ -469,16 +911,16 @@ var Candidates = class {
     place4.addEventListener("keydown", (event) => this.key(event));
     new ResizeObserver(() => fitFormulas(place4)).observe(place4);
   }
-  /** @param {Pick<State, "candidates" | "node" | "job">} state */
-  show({ candidates, node, job }) {
-    const shown2 = JSON.stringify([candidates, node, job?.id]);
+  /** @param {Pick<State, "candidates" | "node" | "job">} state @param {import("./said.js").About} about */
+  show({ candidates, node, job }, about2) {
+    const shown2 = JSON.stringify([candidates, node, job?.id, about2]);
     if (shown2 === this.shown) return;
     this.shown = shown2;
     this.inside ||= this.place.contains(document.activeElement);
     this.at = 0;
     const could = candidates.rows.filter((row) => row.could_be);
     this.rows = [...could, ...candidates.rows.filter((row) => !row.could_be)];
-    this.items = this.rows.map((row, at) => this.item(row, at));
+    this.items = this.rows.map((row, at) => this.item(row, at, about2));
     const others = this.items.slice(could.length);
     const ask2 = make("button", {
       ...{ type: "button", text: "What is missing?", disabled: job !== null || node === null },
@@ -490,22 +932,22 @@ var Candidates = class {
       candidates.ready && could.length === 0 && others.length > 0 ? make("p", { class: "soft", text: NOTHING }) : "",
       make("ul", { "aria-label": "candidates", class: "candidates" }, ...this.items.slice(0, could.length)),
       others.length > 0 ? folded2(others) : "",
-      ...remainder(candidates.unexplained)
+      ...remainder(candidates.unexplained, about2)
     );
     fitFormulas(this.place);
     if (this.inside && document.activeElement === document.body) this.place.focus();
     if (this.items.length > 0) this.inside = false;
   }
-  /** @param {Candidate} row @param {number} at */
-  item(row, at) {
+  /** @param {Candidate} row @param {number} at @param {import("./said.js").About} about */
+  item(row, at, about2) {
     const bar2 = make("span", { class: "bar" });
     bar2.style.width = `${100 * Math.min(1, Math.max(0, row.error_fall))}%`;
     const take = make("button", {
-      ...{ type: "button", text: this.taking, tabindex: -1, "aria-label": `${this.taking} ${row.effect}` },
+      ...{ type: "button", text: this.taking, tabindex: -1, "aria-label": `${this.taking} ${titleOf(row.effect)}` },
       on: { click: () => this.deeds.take(row.effect) }
     });
-    const about2 = make("button", {
-      ...{ type: "button", text: "?", tabindex: -1, "aria-label": `about ${row.effect}`, title: "what it is (key: ?)" },
+    const what = make("button", {
+      ...{ type: "button", text: "?", tabindex: -1, "aria-label": `about ${titleOf(row.effect)}`, title: "what it is (key: ?)" },
       on: { click: () => this.deeds.about?.(row) }
     });
     const chance = row.could_be ? "" : " chance";
@@ -513,7 +955,7 @@ var Candidates = class {
       "li",
       {
         ...{ class: `candidate${chance}`, tabindex: at === 0 ? 0 : -1, "data-effect": row.effect },
-        "aria-label": `${row.effect}, ${row.name}: error falls by ${percent(Math.max(0, row.error_fall))}, ${evidence(row)}`,
+        "aria-label": `${titleOf(row.effect)}, ${row.name}: error falls by ${percent(Math.max(0, row.error_fall))}, ${evidence(row, about2)}`,
         on: {
           pointerenter: () => this.deeds.look(row.effect),
           pointerleave: () => this.deeds.look(null),
@@ -521,15 +963,15 @@ var Candidates = class {
           blur: () => this.deeds.look(null)
         }
       },
-      make("span", { class: "label", text: row.effect, title: row.shows ?? row.effect }),
+      make("span", { class: "label", text: titleOf(row.effect), title: row.effect }),
       make("span", { class: "track" }, bar2),
       make("span", { class: "figure", text: percent(-Math.max(0, row.error_fall)), title: "fall of the RMS error" }),
-      make("span", { class: "deeds" }, this.deeds.about ? about2 : null, take),
+      make("span", { class: "deeds" }, this.deeds.about ? what : null, take),
       make("span", { class: "alike", text: row.name }),
       row.could_be ? make("span", { class: "alike law-of" }, lawOf(row)) : null,
-      make("span", { class: "evidence soft", text: evidence(row) }),
+      make("span", { class: "evidence soft", text: evidence(row, about2) }),
       this.untold(row),
-      ...remarks(row).map((text) => make("span", { class: "alike soft", text })),
+      ...remarks(row).map((words3) => make("span", { class: "alike soft" }, ...words3)),
       ...row.implausible.map((text) => make("span", { class: "alike doubt", text: `⚠ ${text}` }))
     );
   }
@@ -540,11 +982,11 @@ var Candidates = class {
   untold({ effect, equivalent }) {
     if (equivalent.length === 0) return null;
     const apart = make("button", {
-      ...{ type: "button", text: "Tell apart…", "aria-label": `Tell apart… ${effect}` },
+      ...{ type: "button", text: "Tell apart…", "aria-label": `Tell apart… ${titleOf(effect)}` },
       ...{ title: "design the motion that would tell", on: { click: () => this.deeds.apart?.([effect, ...equivalent]) } }
     });
-    const words3 = `this capture cannot tell it from ${equivalent.join(", ")} `;
-    return make("span", { class: "alike soft" }, words3, this.deeds.apart ? apart : null);
+    const others = listed(equivalent, ", ");
+    return make("span", { class: "alike soft" }, "this capture cannot tell it from ", ...others, " ", this.deeds.apart ? apart : null);
   }
   /** Go to an effect. @param {string} effect */
   go(effect) {
@@ -587,21 +1029,19 @@ function folded2(items) {
   const words3 = `${items.length} weighed in vain: too little, or chance`;
   return make("details", {}, make("summary", { class: "soft", text: words3 }), make("ul", { class: "candidates" }, ...items));
 }
-function evidence(row) {
+function evidence(row, about2) {
   const chance = row.p_value <= 1e-3 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
-  return `${row.said} (${chance})`;
+  return `${sentence(row.said, about2)} (${chance})`;
 }
 function remarks({ equivalent, confused, note }) {
   const others = confused.filter((effect) => !equivalent.includes(effect));
-  return [
-    others.length > 0 ? `often confused with ${others.join(", ")}` : "",
-    note ?? ""
-  ].filter(Boolean);
+  return [...others.length > 0 ? [["often confused with ", ...listed(others, ", ")]] : [], ...note ? [[note]] : []];
 }
-function remainder(unexplained) {
+function remainder(unexplained, about2) {
   if (!unexplained) return [];
   const { axis: axis2, share, hint } = unexplained;
-  const words3 = `Unexplained over ${axis2}: ${percent(share)} of what remains${hint ? ` (${hint})` : ""}.`;
+  const where = sentence(hint, about2);
+  const words3 = `Unexplained over ${sentence([{ along: axis2 }], about2)}: ${percent(share)} of what remains${where ? ` (${where})` : ""}.`;
   return [make("p", { class: "soft", text: words3 })];
 }
 
@@ -615,7 +1055,7 @@ function kindOf({ place: place4, friction, over }) {
   if (friction) return "bristles";
   return over === "acceleration" ? "mass" : "hills";
 }
-var SEEN = {
+var SEEN2 = {
   joint: "shaft and knob with the joint between them, twisted by what it carries",
   gauge: "the torque sensor: what it reads, and in grey what it would read without this",
   bristles: "two surfaces whose asperities bend like bristles as one slides over the other",
@@ -777,21 +1217,21 @@ function mass(brush, { theta }, { ink, shade, colour }) {
 var PACE = 0.35;
 function acting(effect, { data, at, added }) {
   const { t } = data.columns;
-  const canvas = make("canvas", { class: "section", role: "img", "aria-label": SEEN[kindOf(effect)] });
+  const canvas = make("canvas", { class: "section", role: "img", "aria-label": SEEN2[kindOf(effect)] });
   const slider = make("input", { type: "range", min: 0, max: t.length - 1, step: 1, value: at ?? 0, "aria-label": "moment" });
   const play = make("button", { type: "button", text: "Play", "aria-pressed": "false" });
   const words3 = make("span", { class: "soft figure" });
   const element2 = make(
     "div",
     { class: "acting" },
-    ...[canvas, make("div", {}, make("p", { class: "soft", text: SEEN[kindOf(effect)] }), words3), make("div", { class: "along" }, play, slider)]
+    ...[canvas, make("div", {}, make("p", { class: "soft", text: SEEN2[kindOf(effect)] }), words3), make("div", { class: "along" }, play, slider)]
   );
   let motion = new Motion(data.columns, null);
   let [playing, begun] = [false, { clock: 0, time: 0 }];
   const draw2 = () => {
     const now = Number(slider.value);
-    const named = { ink: "--ink", soft: "--soft", shade: "--shade", colour: "--signature" };
-    const colours = Object.fromEntries(Object.entries(named).map(([name, style]) => [name, styleValue(style, canvas)]));
+    const named2 = { ink: "--ink", soft: "--soft", shade: "--shade", colour: "--signature" };
+    const colours = Object.fromEntries(Object.entries(named2).map(([name, style]) => [name, styleValue(style, canvas)]));
     drawSection(
       canvas,
       effect,
@@ -869,21 +1309,22 @@ var AnyEffect = class {
     const names = (effects) => effects.map(({ effect }) => effect).join();
     if (names(absent) !== names(this.absent)) {
       const none = make("option", { value: "", text: "choose one" });
-      this.select.replaceChildren(none, ...absent.map(({ effect, name }) => make("option", { value: effect, text: `${effect}: ${name}` })));
+      this.select.replaceChildren(none, ...absent.map(({ effect, name }) => make("option", { value: effect, text: `${titleOf(effect)}: ${name}`, title: effect })));
     }
     this.absent = absent;
   }
 };
 function about(effect, shown2) {
-  const { effect: id, place: place4, law, source, shows, name, about: sentence, causes, remedies } = effect;
+  const { effect: id, place: place4, law, source, shows, name, about: sentence2, causes, remedies } = effect;
   const drawing = make("p", { class: "soft", text: "The picture is being drawn …" });
   const frame = make("div", { class: "picture", role: "status" }, drawing);
-  byId("about-title").textContent = `${id}: ${name}`;
+  byId("about-title").textContent = `${titleOf(id)}: ${name}`;
+  byId("about-title").title = id;
   byId("about-text").replaceChildren(
-    make("p", { text: sentence }),
+    make("p", { text: sentence2 }),
     lawOf(effect),
     shown2 ? acting(effect, shown2) : "",
-    make("div", { class: "columns-of-two" }, listed("Usual causes", causes), listed("What helps", remedies)),
+    make("div", { class: "columns-of-two" }, listed2("Usual causes", causes), listed2("What helps", remedies)),
     make("p", { class: "soft", text: `Acts on the ${PLACES[place4] ?? place4}. Shows ${shows}. ${source}` }),
     frame
   );
@@ -900,7 +1341,7 @@ function about(effect, shown2) {
     (reason2) => frame.replaceChildren(make("p", { class: "wrong", text: wordsOf(reason2) }))
   );
 }
-function listed(title, phrases) {
+function listed2(title, phrases) {
   if (phrases.length === 0) return null;
   return make("div", {}, make("h3", { text: title }), make("ul", {}, ...phrases.map((text) => make("li", { text }))));
 }
@@ -1036,11 +1477,11 @@ var Mapping = class {
     this.columns = columns;
     this.found.replaceChildren(...columns.map((column) => this.tile(column)));
     for (const field3 of this.fields) {
-      const known = guess[field3.name];
+      const known2 = guess[field3.name];
       const same = columns.some(({ name }) => name === field3.name) ? field3.name : "";
       if (field3.text.value) continue;
-      field3.text.value = known ? plain3(known.expression.replace(/^`([^`]*)`$/, "$1")) : same;
-      const unit = known?.unit ?? (field3.name === "t" && known ? this.seconds(field3.text.value) : "");
+      field3.text.value = known2 ? plain3(known2.expression.replace(/^`([^`]*)`$/, "$1")) : same;
+      const unit = known2?.unit ?? (field3.name === "t" && known2 ? this.seconds(field3.text.value) : "");
       if (unit) this.measure(field3, unit);
     }
     this.at = this.fields.find(({ text }) => !text.value)?.text ?? this.at;
@@ -1080,8 +1521,8 @@ var Mapping = class {
   /** @param {Mapping["fields"][number]} field @param {string} written a unit, or what is none of the list */
   measure(field3, written) {
     const unit = SPELT[written] ?? written;
-    const known = KINDS2.some((kind) => field3.target.units[kind].includes(unit));
-    field3.unit.value = known ? unit : "";
+    const known2 = KINDS2.some((kind) => field3.target.units[kind].includes(unit));
+    field3.unit.value = known2 ? unit : "";
     this.chose(field3.unit.value);
   }
   /** A unit was chosen: one of a length says that the axis slides. @param {string} unit */
@@ -1112,14 +1553,14 @@ var Mapping = class {
 function spread(column, unit, counts, kind) {
   const { low, high } = column;
   if (low === null || high === null) return "no value at all";
-  const ends = `${number(low)} … ${number(high)}`;
+  const ends2 = `${number(low)} … ${number(high)}`;
   if (unit === COUNTS) {
     const way = (high - low) / counts;
     const felt = kind === "linear" ? `${number(way)} mm` : `${number(360 * way)} degrees`;
-    return `${ends} counts${counts > 0 ? `, over ${felt}` : ""}`;
+    return `${ends2} counts${counts > 0 ? `, over ${felt}` : ""}`;
   }
-  if (unit === "s") return `${ends} s, ${number(rateOf(column))} rows a second`;
-  return `${ends} ${unit}${unit in DEGREES ? `, over ${number((high - low) * DEGREES[unit])} degrees` : ""}`;
+  if (unit === "s") return `${ends2} s, ${number(rateOf(column))} rows a second`;
+  return `${ends2} ${unit}${unit in DEGREES ? `, over ${number((high - low) * DEGREES[unit])} degrees` : ""}`;
 }
 function rateOf({ rows, low, high }) {
   return (rows - 1) / ((high ?? 0) - (low ?? 0));
@@ -1211,18 +1652,18 @@ function opening(heard) {
   byId("open-map").addEventListener("input", () => told.textContent = "");
   byId("open-form").addEventListener("submit", async (event) => {
     event.preventDefault();
-    const named = path.value.trim();
+    const named2 = path.value.trim();
     told.textContent = mapping.lacking();
     if (told.textContent) return void 0;
-    if (!named && waiting.length === 0) {
+    if (!named2 && waiting.length === 0) {
       told.textContent = "Choose a file, or type its path.";
       return void 0;
     }
-    if (!named) return take(waiting);
+    if (!named2) return take(waiting);
     try {
-      await post("open", { path: named, together: same.checked, ...mapping.options() });
+      await post("open", { path: named2, together: same.checked, ...mapping.options() });
       path.value = "";
-      return opened(named);
+      return opened(named2);
     } catch (reason2) {
       return refused(reason2);
     }
@@ -1267,7 +1708,7 @@ function unhiding(failed) {
   byId("unhide").addEventListener("click", async () => {
     try {
       const told = await Promise.all(hiding.map((capture) => ask("hidden", { capture })));
-      byId("unhidden").textContent = [...new Set(told.map(({ hidden }) => hidden.join(" and ")))].join("; ");
+      byId("unhidden").textContent = [...new Set(told.map(({ hidden }) => hidden.map(titleOf).join(" and ")))].join("; ");
     } catch (reason2) {
       failed(reason2);
     }
@@ -1300,7 +1741,7 @@ function showStanding({ hints, more, wrong, found: found2, hidden, solved, seale
 }
 function standingWords({ wrong, found: found2, hidden, solved }) {
   const many = hidden === 1 ? "one effect is hidden" : `${hidden} effects are hidden`;
-  const costs = wrong.length > 0 ? `; not there: ${wrong.join(", ")}` : "";
+  const costs = wrong.length > 0 ? `; not there: ${wrong.map(titleOf).join(", ")}` : "";
   if (solved) return `Solved: what was hidden is in the model, and nothing else${costs}.`;
   if (found2 === hidden) return `All that is hidden is in the model, but so is something else${costs}.`;
   return `In this knob ${many}${found2 > 0 ? `, ${found2} of them found` : ""}. Look where the residual has structure, and add what explains it${costs}.`;
@@ -1353,7 +1794,7 @@ function showLadder(place4, state) {
   const lines = steps.map(({ added, dropped, rmse, rmse_heldout }, at) => {
     const now = at === here;
     const undone = at > here;
-    const label = added ? `+ ${added}` : dropped ? `− ${dropped}` : at === 0 ? "first model" : "fitted anew";
+    const label = added ? `+ ${titleOf(added)}` : dropped ? `− ${titleOf(dropped)}` : at === 0 ? "first model" : "fitted anew";
     const bar2 = make("span", { class: "bar" });
     const held = make("span", { class: "held" });
     bar2.style.width = `${100 * rmse / widest}%`;
@@ -1363,7 +1804,7 @@ function showLadder(place4, state) {
     return make(
       "li",
       { class: `ladder-line${now ? " now" : ""}${undone ? " undone" : ""}`, "aria-current": now ? "step" : null },
-      make("span", { class: "label", text: label, title: label }),
+      make("span", { class: "label", text: label, title: added ?? dropped ?? label }),
       make("span", { class: "figure", text: shown2(rmse), title: "RMS error" }),
       make("span", { class: "figure soft", text: shown2(rmse_heldout), title: "on blocks that the fit did not see" }),
       track
@@ -1408,345 +1849,6 @@ function latest(work) {
       busy = false;
     }
   };
-}
-
-// src/spectrum.js
-var SEEN2 = 1e-3;
-var LEAST = 0.02;
-function spectrumOf(split) {
-  if (!split) return null;
-  const level = split.band.map((value) => value ?? 0);
-  const highest = Math.max(...level);
-  const middle = split.low.map((low, at) => (low + split.high[at]) / 2);
-  const shown2 = [...middle.keys()].filter((at) => middle[at] > 0 && level[at] > SEEN2 * highest);
-  if (shown2.length < 2) return null;
-  const levels = shown2.map((at) => level[at]).sort((a, b) => a - b);
-  const least = LEAST * levels[levels.length >> 1];
-  return {
-    x: shown2.map((at) => Math.log10(middle[at])),
-    y: shown2.map((at) => Math.log10(Math.max(split.mean[at], least))),
-    chance: shown2.map((at) => Math.log10(level[at]))
-  };
-}
-function drawSpectrum(brush, { x, y, chance }, { across, up, bottom }, colours) {
-  brush.globalAlpha = 0.35;
-  brush.fillStyle = colours.band;
-  brush.beginPath();
-  brush.moveTo(across(x[0]), bottom);
-  for (const [at, value] of x.entries()) brush.lineTo(across(value), up(chance[at]));
-  brush.lineTo(across(x[x.length - 1]), bottom);
-  brush.fill();
-  brush.globalAlpha = 1;
-  brush.strokeStyle = colours.wrong;
-  brush.lineWidth = 1.2;
-  brush.beginPath();
-  for (const [at, value] of x.entries()) brush.lineTo(across(value), up(y[at]));
-  brush.stroke();
-}
-
-// src/axes.js
-var MARGIN = { left: 52, right: 10, top: 22, bottom: 34 };
-function drawAxes(brush, size, { x, y, title, colours, noise, bins, spectrum }) {
-  const { left, top } = MARGIN;
-  const [right, bottom] = [size.width - MARGIN.right, size.height - MARGIN.bottom];
-  brush.clearRect(0, 0, size.width, size.height);
-  brush.font = "11px system-ui, 'DejaVu Sans', sans-serif";
-  brush.lineWidth = 1;
-  const across = (value) => left + (value - x.low) / (x.high - x.low) * (right - left);
-  const up = (value) => bottom - (value - y.low) / (y.high - y.low) * (bottom - top);
-  brush.strokeStyle = colours.line;
-  brush.fillStyle = colours.soft;
-  brush.textAlign = "center";
-  brush.textBaseline = "top";
-  for (const [value, text] of ticksOf(x, (right - left) / 70)) {
-    const at = Math.round(across(value)) + 0.5;
-    stroke(brush, at, top, at, bottom);
-    brush.fillText(text, at, bottom + 4);
-  }
-  brush.textAlign = "right";
-  brush.textBaseline = "middle";
-  for (const [value, text] of ticksOf(y, (bottom - top) / 32)) {
-    const at = Math.round(up(value)) + 0.5;
-    stroke(brush, left, at, right, at);
-    brush.fillText(text, left - 5, at);
-  }
-  if (noise) {
-    brush.save();
-    brush.strokeStyle = colours.ink;
-    brush.setLineDash([5, 4]);
-    for (const value of [-noise, noise]) {
-      const at = Math.round(up(value)) + 0.5;
-      if (at > top && at < bottom) stroke(brush, left, at, right, at);
-    }
-    brush.restore();
-  }
-  if (bins || spectrum) {
-    brush.save();
-    brush.beginPath();
-    brush.rect(left, top, right - left, bottom - top);
-    brush.clip();
-    if (bins) drawBins(brush, bins, across, up, colours);
-    if (spectrum) drawSpectrum(brush, spectrum, { across, up, bottom }, colours);
-    brush.restore();
-  }
-  brush.strokeStyle = colours.soft;
-  stroke(brush, left + 0.5, top, left + 0.5, bottom);
-  stroke(brush, left, bottom + 0.5, right, bottom + 0.5);
-  brush.textAlign = "right";
-  brush.textBaseline = "bottom";
-  brush.fillText(x.label, right, size.height - 2);
-  brush.textAlign = "left";
-  brush.fillText(y.label, 4, top - 5);
-  brush.fillStyle = colours.ink;
-  brush.font = "600 12px system-ui, 'DejaVu Sans', sans-serif";
-  brush.textAlign = "right";
-  brush.fillText(title, right, top - 4);
-}
-function ticksOf({ low, high, factor, log }, count) {
-  if (!log) return ticks(low * factor, high * factor, count).map((value) => [value / factor, number(value, 6)]);
-  const few = count / (high - low) >= 3 ? [1, 2, 5] : [1];
-  const decades = Array.from({ length: Math.ceil(high) - Math.floor(low) + 1 }, (_, at) => 10 ** (Math.floor(low) + at));
-  const shift = Math.log10(factor);
-  return decades.flatMap((decade) => few.map((digit) => digit * decade)).map((value) => (
-    /** @type {[number, string]} */
-    [Math.log10(value) - shift, number(value, 1)]
-  )).filter(([at]) => at >= low && at <= high);
-}
-function drawBins(brush, bins, across, up, { ink, band: band2 }) {
-  const edges = bins.low.map((low, at) => [across(low), across(bins.high[at])]);
-  brush.globalAlpha = 0.35;
-  brush.fillStyle = band2;
-  for (const [at, [from, to]] of edges.entries()) {
-    const half = bins.band[at];
-    if (half) brush.fillRect(from, up(half), to - from, up(-half) - up(half));
-  }
-  brush.globalAlpha = 1;
-  brush.strokeStyle = ink;
-  brush.lineWidth = 2;
-  for (const [at, [from, to]] of edges.entries()) {
-    brush.setLineDash(bins.direction[at] < 0 ? [3, 2] : []);
-    stroke(brush, from, up(bins.mean[at]), to, up(bins.mean[at]));
-  }
-}
-function stroke(brush, x0, y0, x1, y1) {
-  brush.beginPath();
-  brush.moveTo(x0, y0);
-  brush.lineTo(x1, y1);
-  brush.stroke();
-}
-function limits(columns, { air = 0.03, around = NaN } = {}) {
-  let [low, high] = [Infinity, -Infinity];
-  for (const column of columns) {
-    for (let i = 0; i < column.length; i++) {
-      if (column[i] < low) low = column[i];
-      if (column[i] > high) high = column[i];
-    }
-  }
-  if (around < low) low = around;
-  if (around > high) high = around;
-  if (!(low <= high)) return [-1, 1];
-  const room = high > low ? air * (high - low) : Math.abs(low) || 1;
-  return [low - room, high + room];
-}
-
-// src/remembered.js
-function remembered(work) {
-  const known = /* @__PURE__ */ new WeakMap();
-  return (key2, ...others) => {
-    const before = known.get(key2);
-    if (before && before.others.every((one, at) => one === others[at])) return before.told;
-    const told = work(key2, ...others);
-    known.set(key2, { others, told });
-    return told;
-  };
-}
-
-// src/outliers.js
-var TIMES = 2;
-var SHARE = 2e-4;
-var FEW2 = 3;
-var mostReach = remembered((values) => {
-  const few = Math.max(FEW2, SHARE * values.length);
-  for (let reach2 = Infinity; ; ) {
-    let [most, beyond] = [0, 0];
-    for (let i = 0; i < values.length; i++) {
-      const size = Math.abs(values[i]);
-      if (size <= reach2 && size > most) most = size;
-    }
-    for (let i = 0; i < values.length; i++) if (Math.abs(values[i]) > most / TIMES) beyond++;
-    if (most === 0 || beyond > few) return most;
-    reach2 = most / TIMES;
-  }
-});
-var mostLimits = remembered((one, other) => {
-  const columns = [one, other];
-  const few = Math.max(FEW2, SHARE * columns[0].length);
-  let [low, high] = within(columns, -Infinity, Infinity);
-  const whole = (
-    /** @type {[number, number]} */
-    [low, high]
-  );
-  while (low < high) {
-    const quarter = 0.25 * (high - low);
-    let [above, below] = [0, 0];
-    for (const y of columns) {
-      for (let i = 0; i < y.length; i++) {
-        if (y[i] > high - quarter) above++;
-        else if (y[i] < low + quarter) below++;
-      }
-    }
-    if (above > few && below > few) break;
-    [low, high] = within(columns, below > few ? low : low + quarter, above > few ? high : high - quarter);
-  }
-  return whole[1] - whole[0] > TIMES * (high - low) ? [low, high] : whole;
-});
-function within(columns, low, high) {
-  let [least, most] = [Infinity, -Infinity];
-  for (const y of columns) {
-    for (let i = 0; i < y.length; i++) {
-      if (y[i] < low || y[i] > high) continue;
-      if (y[i] < least) least = y[i];
-      if (y[i] > most) most = y[i];
-    }
-  }
-  return least <= most ? [least, most] : [NaN, NaN];
-}
-function beyondWords(y, low, high) {
-  let count = 0;
-  for (let i = 0; i < y.length; i++) if (y[i] < low || y[i] > high) count++;
-  return count === 0 ? "" : ` (${count.toLocaleString("en")} ${count === 1 ? "sample" : "samples"} beyond, at the edge)`;
-}
-
-// src/contents.js
-var AXES = (
-  /** @type {Record<Along, AxisOf>} */
-  {
-    position: { words: "position", column: "theta", part: "position_part", units: ["rad", "m"] },
-    velocity: { words: "velocity", column: "omega", part: "velocity_part", units: ["rad/s", "m/s"] },
-    acceleration: { words: "acceleration", column: "alpha", part: null, units: ["rad/s²", "m/s²"] },
-    load: { words: "modelled torque", column: null, part: null, units: null },
-    history: { words: "distance since reversal", column: "history", part: null, units: ["rad", "m"] },
-    time: { words: "time", column: "t", part: null, units: ["s", "s"] },
-    frequency: { words: "frequency", column: null, part: null, units: ["Hz", "Hz"] }
-  }
-);
-var USUAL = ["position", "velocity", "time"];
-var NAME = 32;
-function columnsOf(view) {
-  const needed = ["t", "theta", "omega", "tau", "residual"];
-  for (const { column } of view.axes.map((along) => AXES[along])) if (column && !needed.includes(column)) needed.push(column);
-  if (view.axes.includes("time")) needed.push("masked");
-  if (view.isolated) needed.push("position_part", "velocity_part");
-  if (view.band) needed.push("band");
-  return needed;
-}
-function reachOf({ columns, beside, noise }) {
-  const shown2 = beside ? [columns.residual, beside.residual] : [columns.residual];
-  return Math.max(...shown2.map((one) => mostReach(one)), 2 * (noise ?? 0)) || 1;
-}
-function rowsOf(data, view, widest) {
-  const { columns, beside } = data;
-  const word = torqueWord(data.unit);
-  const model = modelOf(columns.residual, columns.tau);
-  const other = beside ? modelOf(beside.residual, columns.tau) : null;
-  const scale = torqueScale(data);
-  const [ownLabel, besideLabel] = [columns, beside].map((one) => one ? `residual, ${scale.unit}${beyondWords(one.residual, -1.04 * widest, 1.04 * widest)}` : "");
-  return view.axes.map((along) => {
-    if (along === "frequency") return { torque: null, residual: alongFrequency(data), beside: null };
-    const axis2 = AXES[along];
-    const x = axis2.column ? columns[axis2.column] : model;
-    const common = { x, xAxis: axisOf(along, x, data), picked: 0 };
-    const part = view.isolated && axis2.part ? columns[axis2.part] : null;
-    const { measured, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: model };
-    const series = [
-      ...along === "time" && columns.masked && !part ? [{ colour: "--masked", chosen: "--chosen", y: columns.masked, strength: 1 }] : [],
-      { colour: "--measured", chosen: "--chosen", y: measured, strength: 0.4 },
-      ...view.band && columns.band ? band(modelled, columns.band) : [],
-      ...other && !part ? [{ colour: "--beside", chosen: "--beside", y: other, strength: 0.35 }] : [],
-      { colour: "--modelled", chosen: "--modelled", y: modelled, strength: 0.35 }
-    ];
-    const [lowest, highest] = limits([Float32Array.from(mostLimits(modelled, counted(modelled, measured)))]);
-    const torque = {
-      ...common,
-      picked: series.findIndex(({ colour }) => colour === "--measured"),
-      // masked samples are not taken by a brush
-      xAxis: { ...common.xAxis, label: "" },
-      // where it is chosen it stands already
-      yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}${beyondWords(measured, lowest, highest)}` },
-      title: part ? `what depends on ${along} alone` : `${word} over ${axis2.words}`,
-      series,
-      noise: null
-    };
-    const rest = (y, label, colour, title) => ({
-      ...common,
-      yAxis: { low: -1.04 * widest, high: 1.04 * widest, factor: scale.factor, label },
-      title,
-      series: [{ colour, chosen: "--chosen", y, strength: 0.3 }],
-      noise: data.noise && 2 * data.noise
-    });
-    const own = beside && data.name ? `residual, ${short(data.name)}` : "measured − modelled";
-    return {
-      torque,
-      residual: rest(columns.residual, ownLabel, "--wrong", own),
-      beside: beside ? rest(beside.residual, besideLabel, "--beside", `residual, ${short(beside.name)}`) : null
-    };
-  });
-}
-function alongFrequency({ splits, unit, peak, fitted }) {
-  const spectrum = spectrumOf(splits?.find(({ axis: axis2 }) => axis2 === "frequency"));
-  const [least, most] = spectrum ? limits([spectrum.y, spectrum.chance].map((one) => Float32Array.from(one))) : [-4, -2];
-  const [low, high] = spectrum ? [spectrum.x[0], spectrum.x[spectrum.x.length - 1]] : [0, 3];
-  const scale = torqueScale({ unit, peak });
-  return {
-    ...{ x: new Float32Array(0), series: [], picked: 0, noise: null, spectrum },
-    title: fitted ? "residual over frequency, beside what chance stays below" : "over frequency: of a fit only",
-    xAxis: { low, high, factor: 1, label: "", log: true },
-    yAxis: { low: least, high: most, factor: scale.factor, label: `RMS per bin, ${scale.unit}`, log: true }
-  };
-}
-function axisOf(along, x, data) {
-  const [low, high] = span(x);
-  return { low, high, factor: 1, label: labelOf(along, data) };
-}
-function labelOf(along, { unit, coordinate }) {
-  const { words: words3, units } = AXES[along];
-  return `${words3}, ${units ? units[coordinate === "linear" ? 1 : 0] : unit}`;
-}
-function samplesIn({ columns }, { axis: axis2, low, high, direction }) {
-  if (axis2 === "frequency") return null;
-  const { column } = AXES[axis2];
-  const x = column ? columns[column] : modelOf(columns.residual, columns.tau);
-  const found2 = [];
-  for (let i = 0; i < x.length; i++) {
-    const counts = columns.residual[i] === columns.residual[i] && x[i] >= low && x[i] <= high;
-    if (counts && (direction === 0 || Math.sign(columns.omega[i]) === direction)) found2.push(i);
-  }
-  return Uint32Array.from(found2);
-}
-var modelOf = remembered((residual, tau) => {
-  const model = new Float32Array(tau.length);
-  for (let i = 0; i < tau.length; i++) model[i] = tau[i] - residual[i];
-  return model;
-});
-var counted = remembered((model, tau) => {
-  const measured = new Float32Array(tau.length);
-  for (let i = 0; i < tau.length; i++) measured[i] = model[i] === model[i] ? tau[i] : NaN;
-  return measured;
-});
-var span = remembered((x) => limits([x], { air: 0.01 }));
-function short(name) {
-  return name.length > NAME ? `${name.slice(0, NAME)}…` : name;
-}
-function isolated({ residual }, part) {
-  return { measured: part.map((value, i) => value + residual[i]), modelled: part };
-}
-function band(modelled, half) {
-  return [-1, 1].map((side) => ({
-    colour: "--band",
-    chosen: null,
-    y: modelled.map((value, i) => value + side * half[i]),
-    strength: 0.6
-  }));
 }
 
 // src/curve.js
@@ -1819,6 +1921,53 @@ function overWords(over, about2) {
   return inside === over ? label : `|${label.replace(", ", "|, ")}`;
 }
 
+// src/surface.js
+function drawSurface(canvas, surface, about2, law) {
+  const { clientWidth: width, clientHeight: height } = canvas;
+  const brush = canvas.getContext("2d");
+  if (!brush || width === 0) return;
+  const scale = globalThis.devicePixelRatio || 1;
+  [canvas.width, canvas.height] = [Math.round(width * scale), Math.round(height * scale)];
+  brush.scale(scale, scale);
+  const names = { ink: "--ink", soft: "--soft", line: "--grid", band: "--band", wrong: "--wrong", low: "--modelled" };
+  const colours = Object.fromEntries(Object.entries(names).map(([name, style]) => [name, styleValue(style, canvas)]));
+  const [x, y] = [surface.x, surface.y].map((places, at) => ({
+    ...ends(places),
+    ...{ factor: 1, label: overWords(surface.over[at], about2) }
+  }));
+  const title = law === null ? "what is left" : `law ${law}`;
+  drawAxes(brush, { width, height }, { x, y, title, colours: (
+    /** @type {any} */
+    colours
+  ), noise: null });
+  const shown2 = law === null ? surface.value : surface.laws[law - 1];
+  if (!shown2) return;
+  const most = largest2(surface);
+  const [left, right, top, bottom] = [MARGIN.left, width - MARGIN.right, MARGIN.top, height - MARGIN.bottom];
+  const [wide, high] = [(right - left) / surface.x.length, (bottom - top) / surface.y.length];
+  for (const [row, values] of shown2.entries()) {
+    for (const [column, value] of values.entries()) {
+      if (value === null) continue;
+      brush.globalAlpha = Math.min(1, Math.abs(value) / most);
+      brush.fillStyle = value < 0 ? colours.low : colours.wrong;
+      brush.fillRect(left + column * wide, bottom - (row + 1) * high, wide + 0.5, high + 0.5);
+    }
+  }
+  brush.globalAlpha = 1;
+}
+function ends(places) {
+  const half = places.length > 1 ? 0.5 * (places[1] - places[0]) : 0.5;
+  return { low: places[0] - half, high: places[places.length - 1] + half };
+}
+function largest2({ value }) {
+  return Math.max(...value.flat().map((one) => Math.abs(one ?? 0))) || 1;
+}
+function surfaceWords(surface, about2) {
+  const scale = surface.times ? { factor: 1, unit: `${about2.unit} / (${surface.times})` } : torqueScale(about2);
+  const most = `${number(largest2(surface) * scale.factor)} ${scale.unit}`;
+  return `Over two variables: orange up to ${most}, blue as far below zero; blank where the motion did not go.`;
+}
+
 // src/laws.js
 var TYPED_MS = 350;
 var Laws = class {
@@ -1833,6 +1982,7 @@ var Laws = class {
     this.shown = "";
     this.about = null;
     new ResizeObserver(() => this.draw()).observe(byId("curve"));
+    new ResizeObserver(() => this.draw()).observe(byId("surface"));
     const form = (
       /** @type {HTMLFormElement} */
       byId("own-form")
@@ -1872,8 +2022,9 @@ var Laws = class {
       return void 0;
     }, TYPED_MS);
   }
-  /** Draw the curve, with one of the laws before the others. @param {number} [looked] from 1 */
+  /** Draw the curve, with one of the laws before the others, and the map beside that of the law. @param {number} [looked] from 1 */
   draw(looked = 1) {
+    this.drawMaps(looked);
     const curve = this.about?.curve ?? null;
     byId("curve").hidden = curve === null;
     if (!curve || !this.about) return;
@@ -1886,13 +2037,34 @@ var Laws = class {
     byId("curve-words").textContent = words3;
     canvas.setAttribute("aria-label", words3);
   }
+  /** @param {number} looked from 1; of a law of fewer variables, the first that has a map stays beside */
+  drawMaps(looked) {
+    const surface = this.about?.surface ?? null;
+    byId("surface").hidden = surface === null;
+    if (!surface || !this.about) return;
+    const law = surface.laws[looked - 1] ? looked : surface.laws.findIndex((one) => one !== null) + 1;
+    const words3 = surfaceWords(surface, this.about);
+    byId("surface-words").textContent = words3;
+    for (
+      const [id, shown2] of
+      /** @type {const} */
+      [["surface-left", null], ["surface-law", law]]
+    ) {
+      const canvas = (
+        /** @type {HTMLCanvasElement} */
+        byId(id)
+      );
+      drawSurface(canvas, surface, this.about, shown2);
+      canvas.setAttribute("aria-label", `${shown2 === null ? "what is left" : `what law ${shown2} makes of it`}. ${words3}`);
+    }
+  }
   /** @param {State} state */
-  show({ candidates, proposed, proposed_text, node, job, rmse, curve, unit, peak, captures }) {
+  show({ candidates, proposed, proposed_said, node, job, rmse, curve, surface, unit, peak, captures }) {
     const shown2 = JSON.stringify([candidates.ready, proposed, node, job === null]);
     if (shown2 === this.shown) return;
     this.shown = shown2;
     byId("own").hidden = node === null;
-    this.about = { curve, unit, peak, coordinate: captures[0]?.coordinate ?? "rotary" };
+    this.about = { curve, surface, unit, peak, coordinate: captures[0]?.coordinate ?? "rotary" };
     this.draw();
     const nothing = candidates.rows.length === 0 && candidates.unexplained === null;
     if (!candidates.ready || node === null || proposed === null && nothing) {
@@ -1906,7 +2078,7 @@ var Laws = class {
     } else {
       const list = proposed.map((law, at) => this.item(law, at + 1, rmse ?? law.rmse));
       this.place.replaceChildren(
-        make("p", { class: "soft small", text: proposed_text, role: "status" }),
+        make("p", { class: "soft small", role: "status" }, ...nodes(proposed_said, this.about)),
         ...list.length > 0 ? [make("ul", { class: "laws", "aria-label": "laws that are proposed" }, ...list)] : []
       );
     }
@@ -2359,9 +2531,9 @@ var Plot = class {
   cloud(x, y) {
     const frame = JSON.stringify(this.frame);
     const at = this.clouds.findIndex((one) => one.x === x && one.y === y && one.frame === frame);
-    const [known] = at < 0 ? [{ x, y, frame, cloud: cloudOf(x, y, this.frame) }] : this.clouds.splice(at, 1);
-    this.clouds = [...this.clouds.slice(1 - CLOUDS), known];
-    return known.cloud;
+    const [known2] = at < 0 ? [{ x, y, frame, cloud: cloudOf(x, y, this.frame) }] : this.clouds.splice(at, 1);
+    this.clouds = [...this.clouds.slice(1 - CLOUDS), known2];
+    return known2.cloud;
   }
   /** The pixel of each point of a series, by its number; none where it is not there. @param {number} at */
   pixels(at) {
@@ -2369,8 +2541,8 @@ var Plot = class {
     const y = series[at]?.y;
     if (!x || !y || this.frame.width === 0) return new Int32Array(0);
     const frame = JSON.stringify(this.frame);
-    const known = this.placed[at];
-    if (known?.x === x && known.y === y && known.frame === frame) return known.pixels;
+    const known2 = this.placed[at];
+    if (known2?.x === x && known2.y === y && known2.frame === frame) return known2.pixels;
     const pixels = place(x, y, this.frame);
     this.placed[at] = { x, y, frame, pixels };
     return pixels;
@@ -2715,7 +2887,7 @@ var Linked = class {
   }
   /**
    * Choose what lies where a verdict says that the model fails, and mark it on the residuals over that axis.
-   * @param {import("./types.js").Place} place
+   * @param {import("./types.js").Stretch} place
    */
   mark(place4) {
     const at = this.axes.indexOf(place4.axis);
@@ -2944,8 +3116,8 @@ var Store = class {
    * @returns {Promise<import("./types.js").Split[]>}
    */
   async splitsOf(node) {
-    const known = this.splits.get(node);
-    if (known) return known;
+    const known2 = this.splits.get(node);
+    if (known2) return known2;
     const { splits } = await ask("splits", { node });
     this.splits.set(node, splits);
     for (const old of [...this.splits.keys()].slice(0, -NODES_KEPT)) this.splits.delete(old);
@@ -2976,8 +3148,8 @@ var Store = class {
     const parts = await Promise.all(
       captures.map(async (capture) => {
         const key2 = `${capture} ${node}`;
-        const known = this.kept.get(key2)?.[name];
-        if (known) return { [name]: known };
+        const known2 = this.kept.get(key2)?.[name];
+        if (known2) return { [name]: known2 };
         const fetched = decode(await fetchBytes(`/api/${verb}`, { node, capture, ...asked2 }, signal));
         const column = Object.values(fetched)[0];
         this.keep(key2, { [name]: column });
@@ -3008,8 +3180,8 @@ var Store = class {
     const together = { ...this.kept.get(key2), ...columns };
     this.kept.delete(key2);
     this.kept.set(key2, together);
-    const nodes = [...this.kept.keys()].filter((one) => one.includes(" "));
-    for (const old of nodes.slice(0, Math.max(0, nodes.length - NODES_KEPT))) this.kept.delete(old);
+    const nodes2 = [...this.kept.keys()].filter((one) => one.includes(" "));
+    for (const old of nodes2.slice(0, Math.max(0, nodes2.length - NODES_KEPT))) this.kept.delete(old);
   }
 };
 function joined(parts, names) {
@@ -3239,19 +3411,19 @@ function showMoment(data, at) {
   }
   const { t, theta, omega, tau, residual } = data.columns;
   const linear = data.coordinate === "linear";
-  const [angle, rate] = linear ? ["m", "m/s"] : ["rad", "rad/s"];
+  const { theta: way, omega: rate } = motionWords(data);
   const counts = residual[at] === residual[at];
   const modelled = tau[at] - residual[at];
-  let largest3 = 0;
-  for (let i = 0; i < tau.length; i++) if (Math.abs(tau[i]) > largest3) largest3 = Math.abs(tau[i]);
+  let largest4 = 0;
+  for (let i = 0; i < tau.length; i++) if (Math.abs(tau[i]) > largest4) largest4 = Math.abs(tau[i]);
   const { factor, unit } = torqueScale(data);
   const shown2 = (value) => number(value * factor);
-  byId("moment-words").textContent = `${number(t[at], 4)} s, ${number(theta[at])} ${angle}, ${number(omega[at])} ${rate}; ${torqueWord(data.unit)} ` + (counts ? `${shown2(tau[at])} measured, ${shown2(modelled)} modelled, ${shown2(residual[at])} ${unit} left` : `masked: it does not count`);
+  byId("moment-words").textContent = `${number(t[at], 4)} s, ${number(theta[at])} ${way.unit}, ${number(omega[at])} ${rate.unit}; ${torqueWord(data.unit)} ` + (counts ? `${shown2(tau[at])} measured, ${shown2(modelled)} modelled, ${shown2(residual[at])} ${unit} left` : `masked: it does not count`);
   brush.scale(scale, scale);
   brush.lineWidth = 2.5;
   const colours = ["--measured", "--modelled"].map((name) => styleValue(name, canvas));
   const [ink, paper] = ["--ink", "--shade"].map((name) => styleValue(name, canvas));
-  const torques = [tau[at], modelled].map((value) => counts ? value / (largest3 || 1) : 0);
+  const torques = [tau[at], modelled].map((value) => counts ? value / (largest4 || 1) : 0);
   if (linear) slide(brush, place2(theta, at), torques, { ink, paper, colours });
   else knob(brush, theta[at], torques, { ink, paper, colours });
 }
@@ -3310,24 +3482,20 @@ function head(brush, [x, y], way) {
 
 // src/evidence.js
 var LEAST_D = 0.1;
-function inWords(headline, params) {
-  const named = params.find(({ name }) => headline.startsWith(`${name} `));
-  return named?.meaning ? headline.replace(named.name, `${named.name} (${named.meaning})`) : headline;
-}
-function limitWords(linear, unit) {
-  const [place4, way] = linear ? ["position", "m"] : ["angle", "rad"];
+function limitWords(about2) {
+  const { theta, omega, alpha } = motionWords(about2);
   return {
-    torque_Nm: `${torqueWord(unit)}, ${unit}`,
-    omega_rad_s: `speed, ${way}/s`,
-    alpha_rad_s2: `acceleration, ${unitWords(`${way}/s^2`)}`,
-    theta_min_rad: `from ${place4}, ${way}`,
-    theta_max_rad: `to ${place4}, ${way}`
+    torque_Nm: `${torqueWord(about2.unit)}, ${about2.unit}`,
+    omega_rad_s: `${omega.name}, ${omega.unit}`,
+    alpha_rad_s2: `${alpha.name}, ${alpha.unit}`,
+    theta_min_rad: `from ${theta.name}, ${theta.unit}`,
+    theta_max_rad: `to ${theta.name}, ${theta.unit}`
   };
 }
-function largest2(pairs) {
+function largest3(pairs) {
   return Math.max(100, ...pairs.flatMap(({ d, standard_d, came }) => [d, standard_d, came ?? 0]));
 }
-function bars({ names, d, standard_d, wrong_choice, came }, told, most) {
+function bars({ names, d, standard_d, wrong_choice, came }, about2, { told, most }) {
   const share = (value) => `${100 * Math.log(Math.max(value, LEAST_D) / LEAST_D) / Math.log(most / LEAST_D)}%`;
   const row = (words3, value, name) => {
     const bar2 = make("span", { class: `bar ${name}` });
@@ -3344,7 +3512,7 @@ function bars({ names, d, standard_d, wrong_choice, came }, told, most) {
   };
   const wrong = wrong_choice < 1e-3 ? "less than 0.1 %" : percent(wrong_choice);
   return [
-    make("p", {}, make("strong", { text: names.join(" or ") }), `: the wrong one is chosen in ${wrong}`),
+    make("p", {}, make("strong", {}, ...nodes(names[0], about2), " or ", ...nodes(names[1], about2)), `: the wrong one is chosen in ${wrong}`),
     row("this motion", d, "promised"),
     row("best standard motion", standard_d, "standard"),
     ...came === null ? [] : [row("what came", came, "came")]
@@ -3663,7 +3831,7 @@ var Next = class {
       within4[name] = String(value).trim() && Number.isFinite(typed) ? typed : value;
     }
     const rivals = this.told?.rivals ?? [];
-    const before = rivals.length > 1 ? rivals.map((one) => one.split(" + ").at(-1) ?? "") : [];
+    const before = rivals.length > 1 ? rivals.map((rival) => effectsOf(rival).at(-1) ?? "") : [];
     return this.design(this.effects ?? before, within4);
   }
   open() {
@@ -3687,8 +3855,7 @@ var Next = class {
       byId("next-said").textContent = "";
       return;
     }
-    const [promise] = inWords(experiment.headline, state.params).split(": ");
-    byId("next-said").textContent = experiment.verdict ?? `${promise}.`.replace("..", ".");
+    byId("next-said").replaceChildren(...nodes(experiment.verdict ?? experiment.promises, aboutOf(state)));
     if (byId("next").hidden) return;
     this.enable(!recording);
     const shown2 = JSON.stringify([experiment, node, state.active]);
@@ -3698,24 +3865,25 @@ var Next = class {
     this.loading = this.load(experiment, state).catch(this.deeds.failed);
   }
   /** @param {Experiment} experiment @param {State} state */
-  tell(experiment, { params, captures, unit }) {
+  tell(experiment, state) {
     const { headline, verdict, source, pairs, steps, by_hand, seconds: seconds2, limits: within4 } = experiment;
+    const about2 = aboutOf(state);
     byId("next-time").textContent = `${number(seconds2)} s`;
-    byId("next-headline").textContent = inWords(headline, params);
-    byId("next-verdict").textContent = verdict ?? "";
+    byId("next-headline").replaceChildren(...nodes(headline, about2));
+    byId("next-verdict").replaceChildren(...nodes(verdict ?? [], about2));
     byId("next-record").hidden = source === null;
     byId("next-record").textContent = experiment.capture ? "Record it again" : "Record it";
     byId("next-record").title = source ? `from ${source}` : "";
     byId("next-source").textContent = source ? `from ${source}` : "";
-    byId("next-keys").replaceChildren(...experiment.rivals.map(key));
+    byId("next-keys").replaceChildren(...experiment.rivals.map((rival, at) => key(nodes(rival, about2), at)));
     byId("next-evidence").hidden = pairs.length === 0;
-    byId("next-pairs").replaceChildren(...pairs.flatMap((pair) => bars(pair, experiment.told, largest2(pairs))));
+    byId("next-pairs").replaceChildren(...pairs.flatMap((pair) => bars(pair, about2, { told: experiment.told, most: largest3(pairs) })));
     const tempi = new Set(steps.map(({ beats: beats2 }) => Math.round(beats2)).filter(Boolean));
     const led = tempi.size === 1 ? ` at ${[...tempi][0]} beats a minute` : "";
     byId("next-can").textContent = by_hand ? `By hand, led by a metronome${led}` : "For a motor";
     byId("next-no-hand").hidden = by_hand;
     byId("next-steps").replaceChildren(...(by_hand ? steps : []).map(({ words: words4 }) => make("li", {}, words4)));
-    const words3 = limitWords(captures[0]?.coordinate === "linear", unit);
+    const words3 = limitWords(about2);
     for (const [name, value] of Object.entries(within4)) {
       const field3 = byId("next-limits").querySelector(`[name=${name}]`);
       if (!(field3 instanceof HTMLInputElement)) continue;
@@ -3739,17 +3907,15 @@ var Next = class {
   draw() {
     const { motion, recorded = [], state } = this;
     if (!motion || !state?.experiment || byId("next").hidden) return;
-    const rotary = state.captures[0]?.coordinate !== "linear";
-    const words3 = { theta: rotary ? "angle" : "position", omega: "velocity" };
-    const units = rotary ? { theta: "rad", omega: "rad/s" } : { theta: "m", omega: "m/s" };
+    const words3 = motionWords(aboutOf(state));
     const both = (name) => [...recorded.map((part) => part[name]), motion[name]];
     const since = recorded.map(({ t }) => t.map((value) => value - (t[0] ?? 0)));
     const [over, across] = ["theta", "omega"].map((name) => ({ y: both(name), name }));
     for (const [at, { y, name }] of [over, across].entries()) {
       const x = at === 0 ? [...since, motion.t] : both("theta");
-      const label = (one) => `${words3[one]}, ${units[one]}`;
+      const label = (one) => `${words3[one].name}, ${words3[one].unit}`;
       this.plots[at].show({
-        title: at === 0 ? `${words3.theta} over time` : `velocity over ${words3.theta}`,
+        title: at === 0 ? `${words3.theta.name} over time` : `velocity over ${words3.theta.name}`,
         ...clouds(x, y, ["--measured", "--signature"]),
         xAxis: axis(limits(x), at === 0 ? "time, s" : label("theta")),
         yAxis: axis(limits(y), label(
@@ -3796,11 +3962,11 @@ var Next = class {
     byId("rig-fault").hidden = true;
     byId("rig-warning").hidden = by_hand;
     try {
-      const known = await ask("sources");
-      byId("rig-ports").replaceChildren(...known.ports.map(({ port: port2, words: words3 }) => make("option", { value: port2, text: words3 })));
+      const known2 = await ask("sources");
+      byId("rig-ports").replaceChildren(...known2.ports.map(({ port: port2, words: words3 }) => make("option", { value: port2, text: words3 })));
       const [port, folder] = ["port", "folder"].map((name) => field("rig-form", name));
-      if (!port.value && known.ports.length === 1) port.value = known.ports[0].port;
-      if (!folder.value) folder.value = known.folder;
+      if (!port.value && known2.ports.length === 1) port.value = known2.ports[0].port;
+      if (!folder.value) folder.value = known2.folder;
     } catch (reason2) {
       byId("rig-said").textContent = wordsOf(reason2);
     }
@@ -3831,8 +3997,7 @@ var Next = class {
     await this.loading;
     const { told, motion, state } = this;
     if (!told || !motion) return;
-    const coordinate = state?.captures[0]?.coordinate ?? "rotary";
-    this.metronome.open({ t: motion.t, theta: motion.theta }, told.steps, coordinate);
+    if (state) this.metronome.open({ t: motion.t, theta: motion.theta }, told.steps, aboutOf(state).coordinate);
   }
   /** Record while the hand is led: from the rig of before, or from one that is asked for. */
   async recordHand() {
@@ -3857,7 +4022,10 @@ function showUntold(place4, { untold }, apart) {
     (effects) => make(
       "li",
       {},
-      `${effects[0]} came in; these captures cannot tell it from ${effects.slice(1).join(", ")}. `,
+      ...listed([effects[0]], ""),
+      " came in; these captures cannot tell it from ",
+      ...listed(effects.slice(1), ", "),
+      ". ",
       make("button", { type: "button", text: "Tell apart…", on: { click: () => apart(effects) } })
     )
   );
@@ -3904,7 +4072,10 @@ function clouds(x, y, [before, motion]) {
 function key(name, at) {
   const mark = make("i", {});
   mark.style.background = `var(${COLOURS[at % COLOURS.length]})`;
-  return make("span", { class: "key" }, mark, name);
+  return make("span", { class: "key" }, mark, ...name);
+}
+function effectsOf(rival) {
+  return rival.flatMap((part) => typeof part === "object" && "effect" in part ? [part.effect] : []);
 }
 
 // src/overlay.js
@@ -3989,11 +4160,11 @@ var Params = class {
     this.rows = /* @__PURE__ */ new Map();
     this.shape = "";
   }
-  /** @param {Param[]} params @param {import("./types.js").Together[]} together */
-  show(params, together) {
+  /** @param {Param[]} params @param {import("./types.js").Together[]} together @param {import("./said.js").About} about */
+  show(params, together, about2) {
     showTogether(together);
     const shape = JSON.stringify(params.map(({ name, fitted, lower, upper }) => [name, fitted, lower, upper]));
-    if (shape !== this.shape) this.build(params);
+    if (shape !== this.shape) this.build(params, about2);
     this.shape = shape;
     for (const param of params) {
       const row = this.rows.get(param.name);
@@ -4005,14 +4176,17 @@ var Params = class {
       if (document.activeElement !== row.slider) row.slider.value = String(place3(param.value, row));
     }
   }
-  /** @param {Param[]} params */
-  build(params) {
+  /** @param {Param[]} params @param {import("./said.js").About} about */
+  build(params, about2) {
     const focused = document.activeElement?.getAttribute("data-param");
     this.rows.clear();
     const groups = Map.groupBy(params, ({ name }) => name.split(".")[0]);
     const lines = [...groups].flatMap(([effect, own]) => [
       this.heading(effect, groups.size > 1),
-      ...own.flatMap((param) => [this.line(param), own.length <= WORDED ? meaning(param) : "", reason(param)])
+      ...own.flatMap((param) => {
+        const doubt = param.doubt ? sentence(param.doubt, about2) : "";
+        return [this.line(param, doubt), own.length <= WORDED ? meaning(param) : "", reason(doubt)];
+      })
     ]);
     const widths = make("colgroup", {}, ...["name", "slide", "value", "unit"].map((name) => make("col", { class: name })));
     this.place.replaceChildren(make("table", { class: "params" }, widths, make("tbody", {}, ...lines)));
@@ -4021,26 +4195,26 @@ var Params = class {
   /** @param {string} effect @param {boolean} removable */
   heading(effect, removable) {
     const drop = make("button", {
-      ...{ type: "button", text: "×", title: `remove ${effect}`, "aria-label": `remove ${effect}` },
+      ...{ type: "button", text: "×", title: `remove ${titleOf(effect)}`, "aria-label": `remove ${titleOf(effect)}` },
       on: { click: () => this.deeds.drop(effect) }
     });
-    const name = make("th", { scope: "rowgroup", colspan: 3, text: effect });
+    const name = make("th", { scope: "rowgroup", colspan: 3, text: titleOf(effect), title: effect });
     return make("tr", { class: "effect" }, name, make("td", { class: "remove" }, removable ? drop : ""));
   }
-  /** @param {Param} param */
-  line(param) {
+  /** @param {Param} param @param {string} doubted why its value is doubted */
+  line(param, doubted) {
     const { low, high } = span3(param);
     const slider = make("input", {
       ...{ type: "range", min: 0, max: STEPS, step: 1, value: place3(param.value, { low, high }) },
-      ...{ "aria-label": param.name, "data-param": param.name, disabled: param.role === "fixed" },
+      ...{ "aria-label": paramOf(param.name), "data-param": param.name, disabled: param.role === "fixed" },
       on: { input: () => this.drag(param.name) }
     });
     const value = make("span", { class: "figure" });
     const error = make("span", { class: "error soft figure", text: plusMinus(param) });
     this.rows.set(param.name, { slider, value, error, low, high });
     const between3 = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
-    const doubt = param.doubt ? make("span", { class: "doubt", text: " ⚠", "aria-hidden": "true" }) : null;
-    const about2 = [param.name, param.meaning, param.doubt].filter(Boolean).join(": ");
+    const doubt = doubted ? make("span", { class: "doubt", text: " ⚠", "aria-hidden": "true" }) : null;
+    const about2 = [param.name, param.meaning, doubted].filter(Boolean).join(": ");
     return make(
       "tr",
       {},
@@ -4063,14 +4237,14 @@ var Params = class {
 function meaning({ meaning: words3 }) {
   return words3 ? make("tr", {}, make("td", { class: "meaning soft", colspan: 4, text: words3 })) : "";
 }
-function reason({ doubt }) {
+function reason(doubt) {
   if (!doubt) return "";
   return make("tr", {}, make("td", { class: "reason doubt", colspan: 4, text: doubt }));
 }
 function showTogether(together) {
   byId("together").hidden = together.length === 0;
   const rows = together.map(
-    ({ names, correlation }) => make("tr", {}, make("th", { scope: "row", text: names.join(" and ") }), make("td", { class: "figure", text: number(correlation, 3) }))
+    ({ names, correlation }) => make("tr", {}, make("th", { scope: "row", text: names.map(paramOf).join(" and "), title: names.join(", ") }), make("td", { class: "figure", text: number(correlation, 3) }))
   );
   byId("together-rows").replaceChildren(...rows);
 }
@@ -4112,7 +4286,7 @@ function sources(heard) {
     byId("new-go")
   );
   const told = byId("new-said");
-  let known = null;
+  let known2 = null;
   let busy = false;
   const shown2 = () => {
     const source = valueOf(form, "source");
@@ -4122,12 +4296,12 @@ function sources(heard) {
     byId("new-together").hidden = heard.open() === 0;
     byId("new-effects").hidden = valueOf(form, "hides") !== "chosen";
     go.textContent = source === "simulated" ? "Simulate" : "Record";
-    if (!known) return;
-    fill(form, "motion", Object.entries(known.motions[source]).map(([name, words3]) => [name, `${name}: ${words3}`]));
+    if (!known2) return;
+    fill(form, "motion", Object.entries(known2.motions[source]).map(([name, words3]) => [name, `${name}: ${words3}`]));
     byId("new-warning").hidden ||= valueOf(form, "motion") === "hand" && !valueOf(form, "model").trim();
     const level = levelOf(form);
     for (const name of ["knob", "motion", "duration_s", "seed"]) field2(form, name).disabled = level !== "";
-    const hideable = known.knobs.find(({ name }) => name === valueOf(form, "knob"))?.hideable ?? [];
+    const hideable = known2.knobs.find(({ name }) => name === valueOf(form, "knob"))?.hideable ?? [];
     for (const box of byId("new-effects").querySelectorAll("input")) box.disabled = !hideable.includes(box.value);
   };
   const opened = async () => {
@@ -4136,29 +4310,29 @@ function sources(heard) {
     told.textContent = "";
     byId("new-fault").hidden = true;
     try {
-      known = /** @type {Sources} */
+      known2 = /** @type {Sources} */
       await ask("sources");
     } catch (reason2) {
       told.textContent = wordsOf(reason2);
       return;
     }
-    fill(form, "knob", known.knobs.map(({ name, words: words3 }) => [name, words3]), "knob3");
-    const { hideable } = known.knobs[0];
-    const every = [.../* @__PURE__ */ new Set([...hideable, ...known.knobs.flatMap((knob2) => knob2.hideable)])];
-    if (!byId("new-effects").querySelector("input")) byId("new-effects").append(...every.map(effectBox(known.effects)));
-    byId("new-ports").replaceChildren(...known.ports.map(({ port: port2, words: words3 }) => make("option", { value: port2, text: words3 })));
-    byId("new-found").textContent = found(known.ports);
+    fill(form, "knob", known2.knobs.map(({ name, words: words3 }) => [name, words3]), "knob3");
+    const { hideable } = known2.knobs[0];
+    const every = [.../* @__PURE__ */ new Set([...hideable, ...known2.knobs.flatMap((knob2) => knob2.hideable)])];
+    if (!byId("new-effects").querySelector("input")) byId("new-effects").append(...every.map(effectBox(known2)));
+    byId("new-ports").replaceChildren(...known2.ports.map(({ port: port2, words: words3 }) => make("option", { value: port2, text: words3 })));
+    byId("new-found").textContent = found(known2.ports);
     const port = field2(form, "port");
     const typing = document.activeElement === port;
-    if (!port.value && !typing && known.ports.length === 1) port.value = known.ports[0].port;
-    if (!field2(form, "folder").value) field2(form, "folder").value = known.folder;
+    if (!port.value && !typing && known2.ports.length === 1) port.value = known2.ports[0].port;
+    if (!field2(form, "folder").value) field2(form, "folder").value = known2.folder;
     const emulated = (
       /** @type {HTMLInputElement} */
       form.querySelector("[value=emulated]")
     );
-    emulated.disabled = known.no_emulated_rig !== null;
-    byId("new-absent").textContent = known.no_emulated_rig && `No emulated rig here: ${known.no_emulated_rig}.`;
-    byId("new-absent").hidden = known.no_emulated_rig === null;
+    emulated.disabled = known2.no_emulated_rig !== null;
+    byId("new-absent").textContent = known2.no_emulated_rig && `No emulated rig here: ${known2.no_emulated_rig}.`;
+    byId("new-absent").hidden = known2.no_emulated_rig === null;
     shown2();
   };
   const wait = (waiting) => {
@@ -4232,12 +4406,12 @@ function numeric(value) {
   const number2 = Number(value);
   return value.trim() && Number.isFinite(number2) ? number2 : value;
 }
-function effectBox(shows) {
+function effectBox({ effects: shows, titles: titles2 }) {
   return (name) => make(
     "label",
-    { title: shows[name] ?? "" },
+    { title: `${name}: ${shows[name] ?? ""}` },
     make("input", { type: "checkbox", name: "effects", value: name }),
-    ` ${name}`
+    ` ${titles2[name] ?? name}`
   );
 }
 function found(ports) {
@@ -4280,66 +4454,60 @@ function themed(changed) {
 }
 
 // src/verdict.js
-function showVerdict(element2, { verdict_text, places: named, candidates, unit, peak }, to) {
-  const eyed = (words3) => forTheEye(words3, { unit, peak });
-  const first = eyed(plainly(candidates));
-  const [text, places] = [eyed(verdict_text), named.map((place4) => ({ ...place4, words: eyed(place4.words) }))];
-  const key2 = JSON.stringify([first, text, places, candidates.rows.map(({ effect }) => effect)]);
+function showVerdict(element2, { verdict, candidates, titles: titles2 }, about2, to) {
+  const key2 = JSON.stringify([verdict, candidates, about2, titles2]);
   if (element2.dataset.told === key2) return;
   element2.dataset.told = key2;
-  const leads = leadsOf(places, candidates, to);
-  const shown2 = (said) => parted(said, leads).map((part) => typeof part === "string" ? part : link(part));
-  element2.replaceChildren(...first ? [make("strong", {}, ...shown2(first)), " "] : [], ...shown2(text));
+  const first = plainly(candidates, about2, to);
+  const worst = verdict.find((part) => typeof part === "object" && "low" in part);
+  const place4 = (
+    /** @type {Stretch | undefined} */
+    worst
+  );
+  const shown2 = verdict.map((part) => {
+    const [words3, leads] = [wordsOfPart(part, about2), leadOf(part, place4, candidates, to)];
+    return leads ? link({ words: words3, ...leads }) : words3;
+  });
+  const head2 = first.map((part) => typeof part === "string" ? part : link(part));
+  element2.replaceChildren(...head2.length > 0 ? [make("strong", {}, ...head2), " "] : [], ...shown2);
 }
-function leadsOf(places, { rows }, to) {
-  const lead = (words3, title, go, kind = "") => ({ words: words3, title, go, class: `leads ${kind}`.trim() });
-  const first = rows.find(({ could_be: could }) => could);
-  return [
-    ...places.map((place4) => lead(place4.words, "show its samples in every plot", () => to.place(place4), "place")),
-    ...places.map((place4) => lead(`along ${place4.axis}`, "draw a row over it", () => to.place(place4))),
-    ...rows.map(({ effect }) => lead(effect, "what it would explain", () => to.effect(effect))),
-    ...first ? [
-      lead("Add it", "take it into the model, and fit it", () => to.add(first.effect)),
-      lead("Tell apart", "design the motion that would tell", () => to.apart([first.effect, ...first.equivalent]))
-    ] : [],
-    lead("RMS error", "the ladder of errors", to.error),
-    lead("Not weighed", "why: what was found in the log", to.findings)
-  ];
+function leadOf(part, place4, { rows }, to) {
+  if (typeof part === "string") return null;
+  if ("low" in part) return { kind: "place", title: "show its samples in every plot", go: () => to.place(part) };
+  if ("along" in part && place4 && part.along === place4.axis) return { title: "draw a row over it", go: () => to.place(place4) };
+  if ("effect" in part && rows.some(({ effect }) => effect === part.effect)) return towards(part.effect, to);
+  if (!("topic" in part)) return null;
+  return part.topic === "error" ? { title: "the ladder of errors", go: to.error } : { title: "why: what was found in the log", go: to.findings };
 }
-function link({ words: words3, title, go, ...rest }) {
+function towards(effect, to) {
+  return { title: `what it would explain (${effect})`, go: () => to.effect(effect) };
+}
+function link({ words: words3, title, go, kind = "" }) {
   const click = (event) => {
     event.preventDefault();
     go();
   };
-  return make("a", { ...rest, href: "#plots", title, text: words3, on: { click } });
+  return make("a", { class: `leads ${kind}`.trim(), href: "#plots", title, text: words3, on: { click } });
 }
-function plainly({ ready, rows }) {
+function plainly({ ready, rows }, about2, to) {
   const first = ready ? rows.find(({ could_be: could }) => could) : void 0;
-  if (!first) return "";
-  const said = `${first.said.slice(0, 1).toUpperCase()}${first.said.slice(1)}`;
-  const tied = `This motion looks the same with ${first.equivalent.join(" or ")}: once nothing else is missing, Tell apart designs what to record next.`;
-  const next = `Add it, and see what is left.${first.equivalent.length > 0 ? ` ${tied}` : ""}`;
-  return `${said}: ${first.name} (${first.effect}), which takes ${percent(first.error_fall)} off the error. ${next}`;
+  if (!first) return [];
+  const { effect, name, error_fall: fall, equivalent } = first;
+  const said = sentence(first.said, about2);
+  const lead = (one) => ({ words: titleOf(one), ...towards(one, to) });
+  return [
+    `${said.slice(0, 1).toUpperCase()}${said.slice(1)}: ${name} (`,
+    lead(effect),
+    `), which takes ${percent(fall)} off the error. `,
+    { words: "Add it", title: "take it into the model, and fit it", go: () => to.add(effect) },
+    ", and see what is left.",
+    ...equivalent.length > 0 ? tied(equivalent.map(lead), () => to.apart([effect, ...equivalent])) : []
+  ];
 }
-function forTheEye(words3, about2) {
-  const scale = torqueScale(about2);
-  const own = scale.factor === 1 ? words3 : words3.replace(/(-?\d[\d.]*(?:e[-+]?\d+)?) N m(?![ /]?(?:s|rad)\b)/g, (_, value) => `${number(Number(value) * scale.factor)} ${scale.unit}`);
-  return unitWords(own.replace(/(^|[\s(])-(?=\d)/g, "$1−").replace(/ (?=%)/g, " "));
-}
-function parted(text, leads) {
-  const [first, ...others] = leads;
-  if (!first) return text === "" ? [] : [text];
-  const at = lastOf(text, first.words);
-  if (at < 0) return parted(text, others);
-  const [before, after] = [text.slice(0, at), text.slice(at + first.words.length)];
-  return [...parted(before, others), first, ...parted(after, others)];
-}
-function lastOf(text, words3) {
-  const part = /\w/;
-  for (let at = words3 === "" ? -1 : text.lastIndexOf(words3); at >= 0; at = at === 0 ? -1 : text.lastIndexOf(words3, at - 1)) {
-    if (!part.test(text[at - 1] ?? " ") && !part.test(text[at + words3.length] ?? " ")) return at;
-  }
-  return -1;
+function tied(others, go) {
+  const tell = { words: "Tell apart", title: "design the motion that would tell", go };
+  const named2 = others.flatMap((one, at) => [...at > 0 ? [" or "] : [], one]);
+  return [" This motion looks the same with ", ...named2, ": once nothing else is missing, ", tell, " designs what to record next."];
 }
 
 // src/app.js
@@ -4467,7 +4635,7 @@ var App = class {
   }
   /**
    * Go where a verdict says that the model fails: the axis comes into the first row where no row has it.
-   * @param {import("./types.js").Place} place
+   * @param {import("./types.js").Stretch} place
    */
   go(place4) {
     const { axes } = this.view;
@@ -4524,9 +4692,11 @@ var App = class {
     if (this.state?.node !== state.node) this.overlay.look(null);
     if (!this.state?.node && state.node !== null && state.looked) this.lookAgain(state.looked);
     this.state = state;
+    known(state);
+    const about2 = aboutOf(state);
     byId("welcome").toggleAttribute("hidden", state.node !== null);
     document.body.classList.toggle("empty", state.node === null);
-    showVerdict(byId("verdict"), state, {
+    showVerdict(byId("verdict"), state, about2, {
       place: (place4) => this.go(place4),
       effect: (effect) => this.candidates.go(effect),
       add: (effect) => this.ask("add", { effect }, "add"),
@@ -4548,7 +4718,7 @@ var App = class {
       use: (captures) => this.ask("use", { captures }, "captures"),
       close: (capture) => this.ask("close", { capture }, "captures")
     });
-    showFindings(byId("findings"), state, {
+    showFindings(byId("findings"), state, about2, {
       see: (capture, finding2) => this.find(capture, finding2),
       overrule: (capture, finding2, on) => this.ask("overrule", { capture, finding: finding2, on }, "data")
     });
@@ -4556,8 +4726,8 @@ var App = class {
     showLadder(byId("ladder"), state);
     if (!comparable(state, this.beside)) this.beside = null;
     this.showBranches(state);
-    this.params.show(state.params, state.together);
-    this.candidates.show(state);
+    this.params.show(state.params, state.together, about2);
+    this.candidates.show(state, about2);
     this.laws.show(state);
     this.any.show(state.absent);
     this.next.show(state);

@@ -17,6 +17,7 @@ impl Effect<4> for Crank {
     const SHOWS: &'static str = "where in a measurement";
     const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::Inertia];
     const WORDS: Words = Words {
+        title: "crank",
         name: "what a person would say is there (crank)",
         about: "One sentence of what it is.",
         causes: &["what usually brings it about"],

@@ -17,6 +17,7 @@ impl Effect<2> for EddyBrake {
     const SHOWS: &'static str = "where in a measurement";
     const TOUCHES: &'static [Channel] = &[Channel::Drive];
     const WORDS: Words = Words {
+        title: "eddy_brake",
         name: "what a person would say is there (eddy_brake)",
         about: "One sentence of what it is.",
         causes: &["what usually brings it about"],

@@ -16,6 +16,7 @@ impl Effect<6> for Hum {
     const SOURCE: &'static str = "author, year and equation";
     const SHOWS: &'static str = "where in a measurement";
     const WORDS: Words = Words {
+        title: "hum",
         name: "what a person would say is there (hum)",
         about: "One sentence of what it is.",
         causes: &["what usually brings it about"],

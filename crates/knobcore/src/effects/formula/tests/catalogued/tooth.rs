@@ -17,6 +17,7 @@ impl Effect<4> for Tooth {
     const SHOWS: &'static str = "where in a measurement";
     const TOUCHES: &'static [Channel] = &[Channel::FrictionScale];
     const WORDS: Words = Words {
+        title: "tooth",
         name: "what a person would say is there (tooth)",
         about: "One sentence of what it is.",
         causes: &["what usually brings it about"],
