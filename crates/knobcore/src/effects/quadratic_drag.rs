@@ -46,7 +46,8 @@ impl Effect<2> for QuadraticDrag {
     fn typical(carrier: &Carrier<'_>) -> [f64; 2] {
         // By its torque at the fastest.
         let square = carrier.fastest() * carrier.fastest();
-        carrier.sized(Id::QuadraticDrag, [carrier.floor, 100.0 * carrier.floor], |torque| [torque / square, 2.0])
+        carrier
+            .sized(Id::QuadraticDrag, [carrier.floor, 100.0 * carrier.floor], |torque| [torque / square, 2.0])
     }
 }
 
@@ -64,10 +65,11 @@ mod tests {
 
     #[test]
     fn drag_grows_with_the_square_of_the_speed_and_opposes_it() {
-        let torque = |n: f64, omega: f64| {
-            QuadraticDrag::load(&[2.0, n], &Motion::exact(0.0, 0.0, omega, 0.0)).drive
-        };
+        let torque =
+            |n: f64, omega: f64| QuadraticDrag::load(&[2.0, n], &Motion::exact(0.0, 0.0, omega, 0.0)).drive;
         assert_eq!((torque(2.0, 3.0), torque(2.0, -3.0), torque(2.0, 6.0)), (18.0, -18.0, 72.0));
-        assert!((torque(1.8, -4.0) + 2.0 * 4.0_f64.powf(1.8)).abs() < 1e-12 && torque(1.5, 0.0).abs() < 1e-12);
+        assert!(
+            (torque(1.8, -4.0) + 2.0 * 4.0_f64.powf(1.8)).abs() < 1e-12 && torque(1.5, 0.0).abs() < 1e-12
+        );
     }
 }
