@@ -107,6 +107,7 @@ fn what_is_implausible_of_any_values() {
                 noise_floor: about(&mut chance, 1e-3),
                 period: one_of(&mut chance, &[None, Some(0.05), Some(0.11)]),
                 revolution: one_of(&mut chance, &[None, Some(1.0)]),
+                friction: [3e-3, if round % 5 == 0 { -1e-3 } else { 2e-3 }],
                 clipped: round % 2 == 0,
                 first: round % 4 < 2,
                 t,

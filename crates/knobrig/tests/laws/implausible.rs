@@ -14,6 +14,7 @@ fn context() -> Context {
         noise_floor: 1e-3,
         period: Some(0.1),
         revolution: Some(1.0),
+        friction: [0.0; 2],
         clipped: false,
         first: true,
     }
