@@ -88,3 +88,8 @@ def test_the_power_of_a_drag_is_fitted_where_the_data_pay_for_it(power: float) -
     assert (told.se > 0.0) == (power != 2.0)
     low, high = told.ci95
     assert low <= power <= high and high - low < 0.1
+    # Where it is held the terms beside it are known as well as it is.
+    known, beside = story.params["viscous.pos"].se, story.fit.params["viscous.pos"].se
+    assert (known > 2.0 * beside) == (power == 2.0)
+    low, high = story.params["viscous.pos"].ci95
+    assert low <= 5e-4 <= high

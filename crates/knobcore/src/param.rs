@@ -164,7 +164,7 @@ impl Axis {
 }
 
 /// What becomes of a parameter when its effect enters a model, until a user says otherwise.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Usual {
     /// It is fitted.
     Free,
@@ -178,8 +178,9 @@ pub enum Usual {
     Weighs([Channel; 2]),
     /// It is fitted on a linear axis; on a rotary one it stays, since a revolution is known.
     FreeAlong,
-    /// It stays at what textbooks say, until a search finds that the data pay for another value.
-    WherePaid,
+    /// It stays at what textbooks say, until a search finds that the data pay for another value. Real ones differ from
+    /// that by so much, a standard deviation.
+    WherePaid(f64),
 }
 
 /// One parameter of an effect.

@@ -348,7 +348,8 @@ fn row(py: Python<'_>, id: Id, axis: Axis) -> PyResult<Bound<'_, PyDict>> {
         row.set_item("upper", p.upper)?;
         row.set_item("neutral", p.neutral)?;
         row.set_item("plausible", (p.plausible[0], p.plausible[1]))?;
-        row.set_item("where_paid", p.usual == Usual::WherePaid)?;
+        let spread = if let Usual::WherePaid(spread) = p.usual { Some(spread) } else { None };
+        row.set_item("where_paid", spread)?;
         row.set_item("meaning", p.meaning)?;
         PyResult::Ok(row)
     };

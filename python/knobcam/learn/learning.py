@@ -29,6 +29,7 @@ from .agreement import Disagreement, disagreements
 from .cut import Cut, Deadline, Interrupted
 from .ladder import LearningStep, Unexplained
 from .limitations import Limitation, limitations
+from .loosened import with_shapes
 from .proposals import Proposals, accepted, propose
 from .rivals import in_percent, with_choice
 from .selection import concluded, select
@@ -73,8 +74,8 @@ class LearningResult(showing.Tabled):
 
     @cached_property
     def params(self) -> Mapping[str, Estimate]:
-        """Parameters on the last step; their intervals carry what the choice of its effects adds."""
-        return with_choice(self.fit.params, self.ladder)
+        """Parameters on the last step; their intervals carry the choice of effects and of shapes."""
+        return with_shapes(with_choice(self.fit.params, self.ladder), self.fit)
 
     @property
     def verdict(self) -> Verdict:
@@ -249,8 +250,11 @@ class LearningResult(showing.Tabled):
             "verdict": self.verdict,
             "found": list(self.found),
             "ladder": [
-                step.document(with_choice(step.params, self.ladder[: at + 1]))
-                for at, step in enumerate(self.ladder)
+                *(
+                    step.document(with_choice(step.params, self.ladder[: at + 1]))
+                    for at, step in enumerate(self.ladder[:-1])
+                ),
+                self.ladder[-1].document(self.params),
             ],
             "unexplained": None if self.unexplained is None else self.unexplained._asdict(),
             "per_capture": fitted["per_capture"],

@@ -1,21 +1,24 @@
-"""Shapes that stay at what textbooks say, freed where the data pay for it."""
+"""Shapes that stay at what textbooks say: freed where the data pay, and what they leave unknown where not."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from .. import _core
 from ..fit.doubts import at_floor
+from ..fit.estimate import Z95
 from ..fit.plausible import out_of_range
 from ..fit.refit import cores, gain
 from ..fit.rule import RULE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
-    from ..fit import Fit
+    from ..fit import Estimate, Fit
     from ..fit.diagnose import Diagnosis
+    from ..model.effects import ParameterInfo
 
 
 def loosened(diagnosis: Diagnosis, beyond: float) -> Fit | None:
@@ -32,23 +35,55 @@ def loosened(diagnosis: Diagnosis, beyond: float) -> Fit | None:
     if not fit.noise_floor > 0.0 or (joint and at_floor(fit)):
         return None
     best, least = None, max(beyond, 0.0)
-    for name in _held(fit):
-        core = _core.refine(cores(fit), fit.core.model.with_fixed(name, False), True)
-        freer = replace(fit, core=core)
-        effect, _, own = name.partition(".")
-        plausible = catalogue[effect].parameter(own).plausible
+    for name, row in _held(fit):
+        freer = _freed(fit, name)
         paid = gain(fit, freer, fit) - RULE.price
         enough = fit.rmse**2 - freer.rmse**2 >= RULE.share * fit.excess
-        if enough and paid > least and out_of_range(freer.params[name], plausible) is None:
+        if enough and paid > least and out_of_range(freer.params[name], row.plausible) is None:
             best, least = freer, paid
     return best
 
 
-def _held(fit: Fit) -> Iterator[str]:
+def with_shapes(params: Mapping[str, Estimate], fit: Fit) -> Mapping[str, Estimate]:
+    """Return parameters of a fit with intervals that carry what is not known of the shapes it holds.
+
+    To first order: how far each would go with a shape, by how far that may be from where it is held, which is
+    known from what real ones have and from what the data say of it. Beside a joint, whose fits take long, as
+    they are.
+    """
+    catalogue = fit.model.catalogue()
+    if any(catalogue[one].place == "coupling" for one in fit.model.effects):
+        return params
+    wider = dict(params)
+    for name, row in _held(fit):
+        freer = _freed(fit, name)
+        shape, spread = freer.params[name], row.where_paid
+        if spread is None or not (shape.determined and shape.se > 0.0):
+            continue
+        # The mean square of how far it is off: that of a normal distribution before and after the data.
+        trust = spread**2 / (spread**2 + shape.se**2)
+        off = trust * shape.se**2 + (trust * (shape.value - fit.params[name].value)) ** 2
+        for other, estimate in wider.items():
+            there = freer.params[other]
+            if other == name or not (estimate.determined and estimate.se and there.determined):
+                continue
+            slope = freer.correlation[other][name] * there.se / shape.se
+            error = math.sqrt(estimate.se**2 + slope**2 * off)
+            interval = (estimate.value - Z95 * error, estimate.value + Z95 * error)
+            wider[other] = estimate._replace(ci95=interval, se=error)
+    return wider
+
+
+def _freed(fit: Fit, name: str) -> Fit:
+    """Return the fit with one of its shapes free."""
+    return replace(fit, core=_core.refine(cores(fit), fit.core.model.with_fixed(name, False), True))
+
+
+def _held(fit: Fit) -> Iterator[tuple[str, ParameterInfo]]:
     """Yield the shapes that are held and may be freed."""
     catalogue = fit.model.catalogue()
     for effect in fit.model.effects:
         for row in catalogue[effect].params:
             name = f"{effect}.{row.name}"
-            if row.where_paid and fit.model.params[name].role == "fixed":
-                yield name
+            if row.where_paid is not None and fit.model.params[name].role == "fixed":
+                yield name, row

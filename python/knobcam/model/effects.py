@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 class ParameterInfo(NamedTuple):
     """A parameter as the catalogue has it; bounds and neutral value in SI.
 
-    One that is fitted `where_paid` stays at its neutral value until the data pay for another.
+    One with `where_paid` stays at its neutral value until the data pay for another: real ones differ from
+    that by so much, a standard deviation.
     """
 
     name: str
@@ -33,7 +34,7 @@ class ParameterInfo(NamedTuple):
     upper: float
     neutral: float
     plausible: tuple[float, float]
-    where_paid: bool
+    where_paid: float | None
     meaning: str
 
 

@@ -40,7 +40,7 @@ impl Effect<2> for QuadraticDrag {
             .plausibly(0.0, f64::INFINITY),
         Param::shape("n", Unit::NUMBER, [1.0, 4.0], 2.0, "power of the speed")
             .plausibly(1.4, 2.6)
-            .usually(Usual::WherePaid),
+            .usually(Usual::WherePaid(0.1)),
     ];
 
     fn typical(carrier: &Carrier<'_>) -> [f64; 2] {

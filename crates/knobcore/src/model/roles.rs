@@ -9,7 +9,7 @@ impl Model {
     pub(crate) fn usual(&self, at: usize) -> Role {
         match self.slots[at].param.usual {
             Usual::Free => Role::Free,
-            Usual::Fixed | Usual::WherePaid => Role::Fixed,
+            Usual::Fixed | Usual::WherePaid(_) => Role::Fixed,
             Usual::Follows(other) => self.index(other).map_or(Role::Free, Role::Tied),
             Usual::Beside(_) => {
                 if self.is_idle(at) {

@@ -221,7 +221,7 @@ fn read_own(model: &mut Model, key: &str) -> Result<String> {
 /// What a plain number makes of a parameter: one that is usually fixed, or beside such effects, needs no mark.
 fn of_number(model: &Model, at: usize) -> Role {
     match model.slots()[at].param.usual {
-        Usual::Fixed | Usual::WherePaid => Role::Fixed,
+        Usual::Fixed | Usual::WherePaid(_) => Role::Fixed,
         Usual::Weighs(_) => model.usual(at),
         _ => Role::Free,
     }

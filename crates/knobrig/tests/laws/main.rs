@@ -132,7 +132,7 @@ fn plausible(id: Id, noise: &mut Noise) -> Vec<f64> {
                 Kind::Nonlinear
                     if matches!(
                         param.usual,
-                        Usual::Fixed | Usual::FreeAlong | Usual::Weighs(_) | Usual::WherePaid
+                        Usual::Fixed | Usual::FreeAlong | Usual::Weighs(_) | Usual::WherePaid(_)
                     ) =>
                 {
                     start
