@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from .. import _core
-from ..fit.doubts import at_floor
 from ..fit.estimate import Z95
 from ..fit.plausible import out_of_range
 from ..fit.refit import cores, gain
@@ -26,13 +26,11 @@ def loosened(diagnosis: Diagnosis, beyond: float) -> Fit | None:
 
     It has to pay more than the best candidate, which takes off `beyond` less its price: what a law that is a
     little off leaves is drawn by many effects, by each in part. Where no more than chance is left it may pay
-    still, and bend what is beside it, less than a joint's fits are worth. None where no shape is held, and
-    where it ends at a value that no such effect has.
+    still: it bends what is beside it. None where no shape is held, and where it ends at a value that no such
+    effect has.
     """
     fit = diagnosis.fit
-    catalogue = fit.model.catalogue()
-    joint = any(catalogue[one].place == "coupling" for one in fit.model.effects)
-    if not fit.noise_floor > 0.0 or (joint and at_floor(fit)):
+    if not fit.noise_floor > 0.0:
         return None
     best, least = None, max(beyond, 0.0)
     for name, row in _held(fit):
@@ -48,12 +46,8 @@ def with_shapes(params: Mapping[str, Estimate], fit: Fit) -> Mapping[str, Estima
     """Return parameters of a fit with intervals that carry what is not known of the shapes it holds.
 
     To first order: how far each would go with a shape, by how far that may be from where it is held, which is
-    known from what real ones have and from what the data say of it. Beside a joint, whose fits take long, as
-    they are.
+    known from what real ones have and from what the data say of it.
     """
-    catalogue = fit.model.catalogue()
-    if any(catalogue[one].place == "coupling" for one in fit.model.effects):
-        return params
     wider = dict(params)
     for name, row in _held(fit):
         freer = _freed(fit, name)
@@ -74,6 +68,7 @@ def with_shapes(params: Mapping[str, Estimate], fit: Fit) -> Mapping[str, Estima
     return wider
 
 
+@lru_cache(maxsize=1)  # what a search looked at last is what its intervals ask for
 def _freed(fit: Fit, name: str) -> Fit:
     """Return the fit with one of its shapes free."""
     return replace(fit, core=_core.refine(cores(fit), fit.core.model.with_fixed(name, False), True))
