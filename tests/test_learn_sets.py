@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from known import BASE
 from small import recorded
 from strata import Stratum
 
@@ -93,3 +94,13 @@ def test_the_power_of_a_drag_is_fitted_where_the_data_pay_for_it(power: float) -
     assert (known > 2.0 * beside) == (power == 2.0)
     low, high = story.params["viscous.pos"].ci95
     assert low <= 5e-4 <= high
+
+
+def test_the_power_of_a_drag_that_is_not_fitted_stays() -> None:
+    def drag(t: np.ndarray, theta: np.ndarray, omega: np.ndarray, alpha: np.ndarray) -> np.ndarray:
+        return 3e-3 * np.sign(omega) * np.abs(omega) ** 1.7
+
+    known = kc.fit(recorded(3, drag, count=6000), kc.Model.of([*BASE, "quadratic_drag"])).model
+    held = known.with_fixed("quadratic_drag.d")
+    assert kc.learn(recorded(3, drag, count=6000), held).params["quadratic_drag.n"].held
+    assert not kc.learn(recorded(3, drag, count=6000), known).params["quadratic_drag.n"].held

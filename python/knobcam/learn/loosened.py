@@ -75,10 +75,10 @@ def _freed(fit: Fit, name: str) -> Fit:
 
 
 def _held(fit: Fit) -> Iterator[tuple[str, ParameterInfo]]:
-    """Yield the shapes that are held and may be freed."""
+    """Yield the shapes that are held and may be freed: of effects that are fitted."""
     catalogue = fit.model.catalogue()
     for effect in fit.model.effects:
-        for row in catalogue[effect].params:
-            name = f"{effect}.{row.name}"
-            if row.where_paid is not None and fit.model.params[name].role == "fixed":
-                yield name, row
+        roles = {row.name: fit.model.params[f"{effect}.{row.name}"].role for row in catalogue[effect].params}
+        for row in catalogue[effect].params if "free" in roles.values() else ():
+            if row.where_paid is not None and roles[row.name] == "fixed":
+                yield f"{effect}.{row.name}", row
