@@ -78,7 +78,8 @@ def _held(fit: Fit) -> Iterator[tuple[str, ParameterInfo]]:
     """Yield the shapes that are held and may be freed: of effects that are fitted."""
     catalogue = fit.model.catalogue()
     for effect in fit.model.effects:
-        roles = {row.name: fit.model.params[f"{effect}.{row.name}"].role for row in catalogue[effect].params}
-        for row in catalogue[effect].params if "free" in roles.values() else ():
-            if row.where_paid is not None and roles[row.name] == "fixed":
-                yield f"{effect}.{row.name}", row
+        own = {name: one.role for name, one in fit.model.params.items() if name.startswith(f"{effect}.")}
+        for row in catalogue[effect].params if "free" in own.values() else ():
+            name = f"{effect}.{row.name}"
+            if row.where_paid is not None and own.get(name) == "fixed":
+                yield name, row
