@@ -25,6 +25,11 @@ class Estimate(NamedTuple):
         """Whether the capture says anything about it."""
         return math.isfinite(self.se)
 
+    def widened(self, variance: float) -> Estimate:
+        """Return it with so much more variance, as something else that is not known adds."""
+        error = math.sqrt(self.se**2 + variance)
+        return self._replace(ci95=(self.value - Z95 * error, self.value + Z95 * error), se=error)
+
     @property
     def held(self) -> bool:
         """Whether it was not fitted."""

@@ -127,8 +127,12 @@ def unpaid(fit: Fit, bare: Fit, noise: Fit | None = None) -> bool:
 
     Held against its own noise, or against that of a third fit.
     """
-    count = len(fit.core.free) - len(bare.core.free)
-    return gain(bare, fit, noise or fit) <= RULE.price * count
+    return paid(fit, bare, noise or fit) <= 0.0
+
+
+def paid(fit: Fit, bare: Fit, noise: Fit) -> float:
+    """Return what a fit takes off more than a barer one, less the price of the parameters that this lacks."""
+    return gain(bare, fit, noise) - RULE.price * (len(fit.core.free) - len(bare.core.free))
 
 
 def gain(before: Fit, after: Fit, noise: Fit) -> float:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
-from functools import lru_cache
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 from .. import _core
-from ..fit.estimate import Z95
 from ..fit.plausible import out_of_range
-from ..fit.refit import cores, gain
+from ..fit.refit import cores, paid
 from ..fit.rule import RULE
 
 if TYPE_CHECKING:
@@ -18,7 +16,6 @@ if TYPE_CHECKING:
 
     from ..fit import Estimate, Fit
     from ..fit.diagnose import Diagnosis
-    from ..model.effects import ParameterInfo
 
 
 def loosened(diagnosis: Diagnosis, beyond: float) -> Fit | None:
@@ -33,12 +30,12 @@ def loosened(diagnosis: Diagnosis, beyond: float) -> Fit | None:
     if not fit.noise_floor > 0.0:
         return None
     best, least = None, max(beyond, 0.0)
-    for name, row in _held(fit):
+    for name, plausible, _ in _held(fit):
         freer = _freed(fit, name)
-        paid = gain(fit, freer, fit) - RULE.price
+        won = paid(freer, fit, fit)
         enough = fit.rmse**2 - freer.rmse**2 >= RULE.share * fit.excess
-        if enough and paid > least and out_of_range(freer.params[name], row.plausible) is None:
-            best, least = freer, paid
+        if enough and won > least and out_of_range(freer.params[name], plausible) is None:
+            best, least = freer, won
     return best
 
 
@@ -49,10 +46,10 @@ def with_shapes(params: Mapping[str, Estimate], fit: Fit) -> Mapping[str, Estima
     known from what real ones have and from what the data say of it.
     """
     wider = dict(params)
-    for name, row in _held(fit):
+    for name, _, spread in _held(fit):
         freer = _freed(fit, name)
-        shape, spread = freer.params[name], row.where_paid
-        if spread is None or not (shape.determined and shape.se > 0.0):
+        shape = freer.params[name]
+        if not (shape.determined and shape.se > 0.0):
             continue
         # The mean square of how far it is off: that of a normal distribution before and after the data.
         trust = spread**2 / (spread**2 + shape.se**2)
@@ -62,24 +59,33 @@ def with_shapes(params: Mapping[str, Estimate], fit: Fit) -> Mapping[str, Estima
             if other == name or not (estimate.determined and estimate.se and there.determined):
                 continue
             slope = freer.correlation[other][name] * there.se / shape.se
-            error = math.sqrt(estimate.se**2 + slope**2 * off)
-            interval = (estimate.value - Z95 * error, estimate.value + Z95 * error)
-            wider[other] = estimate._replace(ci95=interval, se=error)
+            wider[other] = estimate.widened(slope**2 * off)
     return wider
 
 
-@lru_cache(maxsize=1)  # what a search looked at last is what its intervals ask for
+# What a search looked at last is what its intervals ask for.
+_KNOWN: WeakKeyDictionary[Fit, dict[str, Fit]] = WeakKeyDictionary()
+
+
 def _freed(fit: Fit, name: str) -> Fit:
     """Return the fit with one of its shapes free."""
-    return replace(fit, core=_core.refine(cores(fit), fit.core.model.with_fixed(name, False), True))
+    known = _KNOWN.setdefault(fit, {})
+    if name not in known:
+        core = _core.refine(cores(fit), fit.core.model.with_fixed(name, False), True)
+        known[name] = replace(fit, core=core)
+    return known[name]
 
 
-def _held(fit: Fit) -> Iterator[tuple[str, ParameterInfo]]:
-    """Yield the shapes that are held and may be freed: of effects that are fitted."""
-    catalogue = fit.model.catalogue()
+def _held(fit: Fit) -> Iterator[tuple[str, tuple[float, float], float]]:
+    """Yield the shapes that are held and may be freed, of effects that are fitted.
+
+    With the values that make sense of each, and how far real ones are from where it is held.
+    """
+    catalogue, params = fit.model.catalogue(), fit.model.params
     for effect in fit.model.effects:
-        own = {name: one.role for name, one in fit.model.params.items() if name.startswith(f"{effect}.")}
-        for row in catalogue[effect].params if "free" in own.values() else ():
+        if not any(one.role == "free" for name, one in params.items() if name.startswith(f"{effect}.")):
+            continue
+        for row in catalogue[effect].params:
             name = f"{effect}.{row.name}"
-            if row.where_paid is not None and own.get(name) == "fixed":
-                yield name, row
+            if row.where_paid is not None and name in params and params[name].role == "fixed":
+                yield name, row.plausible, row.where_paid

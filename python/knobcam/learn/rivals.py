@@ -13,7 +13,6 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from ..fit.estimate import Z95
 from ..fit.rule import RULE
 
 if TYPE_CHECKING:
@@ -38,9 +37,7 @@ def with_choice(params: Mapping[str, Estimate], ladder: Iterable[LearningStep]) 
     wider = {}
     for name, estimate in params.items():
         more = sum(_spread(step, name) for step in steps) if estimate.determined and estimate.se else 0.0
-        error = math.sqrt(estimate.se**2 + more)
-        interval = (estimate.value - Z95 * error, estimate.value + Z95 * error)
-        wider[name] = estimate._replace(ci95=interval, se=error) if more else estimate
+        wider[name] = estimate.widened(more) if more else estimate
     return wider
 
 

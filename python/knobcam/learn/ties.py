@@ -9,7 +9,7 @@ from ..base.said import OfEffect, Said, joined, said
 from ..errors import InputError
 from ..fit.diagnose import diagnose
 from ..fit.doubts import at_floor
-from ..fit.refit import converged, drop, gain, started
+from ..fit.refit import converged, drop, paid, started
 from ..fit.rule import RULE
 from .cut import OutOfTime
 from .joined import climbed
@@ -99,12 +99,9 @@ def _as_far(bare: Fit, step: LearningStep, others: Sequence[str]) -> dict[str, F
 
 def _better(ends: Mapping[str, Fit], last: Fit) -> tuple[str, Fit] | None:
     """Return the end that explains most for its parameters, if it is told from the fit that there is."""
-
-    def won(fit: Fit) -> float:
-        return gain(last, fit, last) - RULE.price * (len(fit.core.free) - len(last.core.free))
-
-    name = max(ends, key=lambda one: won(ends[one]), default=None)
-    if name is None or won(ends[name]) <= RULE.alike or ends[name].impossible is not None:
+    won = {name: paid(fit, last, last) for name, fit in ends.items()}
+    name = max(won, key=won.__getitem__, default=None)
+    if name is None or won[name] <= RULE.alike or ends[name].impossible is not None:
         return None
     return name, ends[name]
 
