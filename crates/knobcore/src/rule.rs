@@ -92,7 +92,7 @@ verdict {
     /// Detents that a motion has to cross for a shape that returns with each to be no map of position.
     many: 4.0, "detents", "judgement: a polynomial does not follow four of them";
     /// Detents that a motion has to cross for a change of them to be told from any map of position.
-    crossed: 1.5, "detents", "judgement: a change of one detent alone is any map of position";
+    crossed: 1.0, "detents", "of less than one whole detent any map of position is a change; at 1.5 right names went, and none came";
     /// Gains, less the price of parameters, that differ by less tell no effect from another.
     alike: 6.0, "variances of the raw noise", "2 log(19): the likelier of two is the wrong one in 5 of 100";
     /// The same, as a share of what either leaves beyond the noise.

@@ -14,6 +14,7 @@ from ..errors import InputError
 from ..fit.refit import add, converged, cores, gain
 from ..fit.rule import RULE
 from .joined import climbed
+from .ladder import first_weighed
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -40,7 +41,7 @@ def exchanged(
     """
     first, last = ladder[0].fit, ladder[-1].fit
     found = _found(first, last)
-    diagnosis = next((step.diagnosis for step in ladder if step.diagnosis is not None), None)
+    diagnosis = first_weighed(ladder)
     rows = first.model.catalogue()
     if (
         diagnosis is None

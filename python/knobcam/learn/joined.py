@@ -10,7 +10,7 @@ from ..fit.diagnose import absent
 from ..fit.refit import converged, cores, gain, needless
 from ..fit.rule import RULE
 from .joints import beside_others, chance, joints
-from .ladder import LearningStep
+from .ladder import LearningStep, first_weighed
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Sequence
@@ -63,7 +63,7 @@ def rejoined(
     """
     last = ladder[-1].fit
     own = [one for one in joints(last.model.coordinate) if one in last.model.effects]
-    diagnosis = next((step.diagnosis for step in ladder if step.diagnosis is not None), None)
+    diagnosis = first_weighed(ladder)
     came = [step.added for step in ladder if step.added in last.model.effects]
     if diagnosis is None or not own or own[0] not in came[:-1]:
         return None

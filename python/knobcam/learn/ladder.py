@@ -15,7 +15,7 @@ from ..fit.refit import describe
 from .rivals import weights
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
     from ..fit import Estimate, Fit
     from ..fit.diagnose import Diagnosis
@@ -116,3 +116,8 @@ class LearningStep:
             "moved": describe(self.moved),
             "dropped": list(self.dropped),
         }
+
+
+def first_weighed(ladder: Iterable[LearningStep]) -> Diagnosis | None:
+    """Return what was weighed on the first step of a ladder; None where nothing was yet."""
+    return next((step.diagnosis for step in ladder if step.diagnosis is not None), None)

@@ -27,7 +27,7 @@ from ..model import Model
 from ..model.effects import base_effects_shown
 from .agreement import Disagreement, disagreements
 from .cut import Cut, Deadline, Interrupted
-from .ladder import LearningStep, Unexplained
+from .ladder import LearningStep, Unexplained, first_weighed
 from .limitations import Limitation, limitations
 from .loosened import with_shapes
 from .proposals import Proposals, accepted, propose
@@ -113,7 +113,7 @@ class LearningResult(showing.Tabled):
     @property
     def first_diagnosis(self) -> Diagnosis:
         """What was weighed on the first step."""
-        return next((step.diagnosis for step in self.ladder if step.diagnosis is not None), self.last)
+        return first_weighed(self.ladder) or self.last
 
     @property
     def before(self) -> Comparison:

@@ -19,7 +19,7 @@ from .cut import Cut, Deadline, OutOfTime
 from .exchanged import anew, exchanged
 from .joined import joined, rejoined
 from .joints import overlooked
-from .ladder import LearningStep, Unexplained
+from .ladder import LearningStep, Unexplained, first_weighed
 from .limitations import width
 from .loosened import loosened
 from .ties import told_again
@@ -135,8 +135,7 @@ def _grown(
             diagnosis = led or diagnosis
         if best is None:
             together = True
-            first_weighed = next((step.diagnosis for step in ladder if step.diagnosis is not None), diagnosis)
-            pair = weighed_together(first_weighed, fit)
+            pair = weighed_together(first_weighed(ladder) or diagnosis, fit)
             if pair is None:
                 return selection
             ladder[1:] = pair

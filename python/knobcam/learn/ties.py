@@ -13,6 +13,7 @@ from ..fit.refit import converged, drop, paid, started
 from ..fit.rule import RULE
 from .cut import OutOfTime
 from .joined import climbed
+from .ladder import first_weighed
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping, Sequence
@@ -109,7 +110,8 @@ def _better(ends: Mapping[str, Fit], last: Fit) -> tuple[str, Fit] | None:
 def _with(better: tuple[str, Fit], ladder: Sequence[LearningStep], at: int) -> tuple[LearningStep, ...]:
     """Return the steps that lead to a fit with another effect in the place of what a step added."""
     other, fit = better
-    diagnosis = next(step.diagnosis for step in ladder if step.diagnosis is not None)
+    diagnosis = first_weighed(ladder)
+    assert diagnosis is not None  # a tie is of what was weighed
     came = [other if step is ladder[at] else step.added for step in ladder]
     names = [one for one in came if one is not None and one in fit.model.effects]
     return (ladder[0], *climbed(fit, names, ladder[0].fit, diagnosis))
