@@ -52,7 +52,8 @@ def test_a_law_is_proposed_laid_over_the_residual_and_taken_under_a_name(
     assert first["words"][-2:] == ["of omega", "no shorter law is as good"]
     assert first["rmse"] < 1.02 * told["noise_floor"] < 0.5 * told["rmse"]
     assert "proposed, not found" in Said.of(told["proposed_said"])
-    assert any(value.startswith("w = 1.3") and "rad/s" in value for value in first["words"])
+    [speed] = [value.split() for value in first["words"] if value.startswith("w = ")]
+    assert float(speed[2]) == pytest.approx(1.3, abs=0.03) and "rad/s" in speed
     there = {"node": told["node"], "capture": told["active"][0], "number": "1"}
     answer = asked.get("/api/law", params=there)
     head = answer.content.split(b"\n")[0]
