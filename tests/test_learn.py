@@ -83,7 +83,7 @@ def test_friction_that_goes_up_and_down_within_a_part_of_its_period_is_found() -
 
 def test_a_harmonic_of_many_detents_and_an_unbalance_are_told_apart() -> None:
     knob = kc.hiding("knob4", "detent_harmonics", "unbalance")
-    story = kc.learn(kc.simulate(knob, "turns", seed=3, duration_s=6.0))
+    story = kc.learn(kc.simulate(knob, "turns", seed=3, duration_s=6.0, rate_hz=2000.0))
     assert story.verdict == "missing"
     assert set(story.found) == {"detent_harmonics", "unbalance"}
 
