@@ -94,8 +94,8 @@ def hidden_spring() -> kc.Capture:
 
 def braked() -> kc.Capture:
     """Return the capture of the knob of docs/propose.md."""
-    plain = kc.simulate("knob4", "sweep", duration_s=4.0, seed=3)
-    x = kc.motion("sweep", 4.0).omega / 1.3
+    plain = kc.simulate("knob4", "sweep", duration_s=4.0, rate_hz=2000.0, seed=3)
+    x = kc.motion("sweep", 4.0, 2000.0).omega / 1.3
     return dataclasses.replace(plain, tau=plain.tau + 0.016 * x / (1.0 + x**2))
 
 

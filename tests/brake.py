@@ -9,6 +9,6 @@ import knobcam as kc
 
 def braked_knob(torque_Nm: float, at_rad_s: float) -> kc.Capture:
     """A sweep of knob 4 with an eddy-current brake: half of this torque at that speed, less elsewhere."""
-    plain = kc.simulate("knob4", "sweep", duration_s=4.0, seed=3)
-    speed = kc.motion("sweep", 4.0).omega / at_rad_s
+    plain = kc.simulate("knob4", "sweep", duration_s=4.0, rate_hz=2000.0, seed=3)
+    speed = kc.motion("sweep", 4.0, 2000.0).omega / at_rad_s
     return dataclasses.replace(plain, tau=plain.tau + torque_Nm * speed / (1.0 + speed**2))

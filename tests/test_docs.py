@@ -175,21 +175,40 @@ def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "log.csv"
 
 
-@pytest.fixture(scope="module")
-def rig() -> Iterator[EmulatedRig]:
+@pytest.fixture
+def port(request: pytest.FixtureRequest, log: Path) -> Iterator[None]:
+    """The port that pages on rigs suppose, beside the log: its rig computes as long as it is there."""
+    page = request.getfixturevalue("page").read_text("utf-8")
+    if "--port rig" not in page:
+        yield
+        return
     with EmulatedRig("knob4", speed=20.0) as rig:
-        yield rig
+        log.with_name("rig").symlink_to(rig.port)
+        yield
 
 
 @pytest.fixture
-def port(rig: EmulatedRig, log: Path) -> Path:
-    """The port that the page on captures supposes, beside the log."""
-    port = log.with_name("rig")
-    port.symlink_to(rig.port)
-    return port
+def searched_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a page learns by the command and, of the same samples, in Python too is searched for once."""
+    package = sys.modules["knobcam.learn"]
+    search, known = package.learn, {}
+
+    def learn(captures: Any, model: Any = None, *, progress: Any = None, **how: Any) -> kc.LearningResult:
+        every = [captures] if isinstance(captures, kc.Capture | str | Path) else captures
+        loaded = [one if isinstance(one, kc.Capture) else kc.load(one) for one in every]
+        how = {"prepare": "smooth", "detents": "auto", "budget_s": None, "without": ()} | how
+        how["without"] = tuple(how["without"])
+        samples = tuple(values.tobytes() for one in loaded for values in one.columns.values())
+        asked = (samples, repr(model), tuple(sorted(how.items())), tuple(kc.effects()))
+        if asked not in known:
+            known[asked] = search(loaded, model, progress=progress, **how)
+        return known[asked]
+
+    monkeypatch.setattr(package, "learn", learn)
+    monkeypatch.setattr(kc, "learn", learn)
 
 
-@pytest.mark.usefixtures("log", "port")
+@pytest.mark.usefixtures("log", "port", "searched_once")
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_every_snippet_of_a_page_runs_and_prints_what_is_shown(
     page: Path, monkeypatch: pytest.MonkeyPatch
