@@ -338,10 +338,10 @@ class _Motor:
 
 
 def _covariance(matrix: FloatArray, rest: FloatArray) -> FloatArray:
-    """Covariance of coefficients by fits without one long stretch each, which holds for correlated residuals.
+    """Covariance of coefficients by fits without one long stretch each: residuals may be correlated.
 
-    The few stretches that tell a constant also bend the fit to their own errors: by what such a stretch leaves
-    alone (White 1980) it looks surer than it is, by a fit without it (Bell & McCaffrey 2002, CR3) it does not.
+    The few stretches that tell a constant also bend the fit to their own errors: by what these leave it looks
+    surer than it is, by a fit without them (Bell & McCaffrey 2002, CR3) it does not.
     The 95 % interval is that of Student's t for the number of stretches, so that a normal one of this
     covariance is as wide.
     """

@@ -304,7 +304,7 @@ fn finish(
                 DMatrix::from_fn(kept.len(), kept.len(), |i, j| meat.products[kept[i] * k + kept[j]]);
             let degrees = used / (used - kept.len() as f64);
             let sandwich = &bread * &middle * &bread;
-            let louder = louder(&blocks, &kept, &bread);
+            let louder = louder(&blocks, &kept, &bread, every as f64);
             let by_parts = parts.map(|parts| parts.variances(&kept));
             // What is missing is no noise: what comes back of it adds to what noise with a memory does.
             let wider = |i: usize| {

@@ -26,7 +26,7 @@ _XL330_PWM = 885.0  # counts at a duty of 1: ROBOTIS e-Manual of the XL330-M288,
 
 
 def read_json(stream: IO[bytes], budget: Budget, joint: str | None = None) -> Table:
-    """Return the table in a text; `joint` chooses one of several controllers in a log of tview, or of several runs.
+    """Return the table in a text; `joint` chooses one of several controllers in a log of tview, or a run.
 
     Nested objects become dotted names, lists `name.c0`, `name.c1`; true is 1, null NaN, and a number beside
     the rows a scalar. Raises InputError for what is no JSON or has no rows.
@@ -188,8 +188,8 @@ def _is_run(value: Any) -> bool:
 def _run(source: str, count: int, asked: str | None) -> int:
     if asked is None and count > 1:
         raise InputError(
-            f"{source}: {count} runs in one file; choose one, for example --joint 1, or write each to a file: a "
-            "folder of them is fitted as one experiment"
+            f"{source}: {count} runs in one file; choose one, for example --joint 1, or write each to a file: "
+            "a folder of them is fitted as one experiment"
         )
     return int(choose(source, asked, [str(at + 1) for at in range(count)], "runs")) - 1
 

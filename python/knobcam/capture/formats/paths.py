@@ -20,4 +20,6 @@ def of_joint(table: Table, joint: str) -> Table | None:
     if not joints:
         return None
     own = choose(table.source, joint, set(joints.values()))
-    return replace(table, columns={name: c for name, c in table.columns.items() if joints.get(name, own) == own})
+    return replace(
+        table, columns={name: c for name, c in table.columns.items() if joints.get(name, own) == own}
+    )
