@@ -188,8 +188,8 @@ def _is_run(value: Any) -> bool:
 def _run(source: str, count: int, asked: str | None) -> int:
     if asked is None and count > 1:
         raise InputError(
-            f"{source}: {count} runs in one file; choose one, for example --joint 1, or write each to a file: "
-            "a folder of them is fitted as one experiment"
+            f"{source}: {count} runs in one file; choose one, for example --joint 1, or write each to a "
+            "file: a folder of them is fitted as one experiment"
         )
     return int(choose(source, asked, [str(at + 1) for at in range(count)], "runs")) - 1
 
