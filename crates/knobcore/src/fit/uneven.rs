@@ -13,9 +13,9 @@ use nalgebra::DMatrix;
 /// By how much the variance of each kept parameter is larger than with noise that is even; 1 at least. One row of `every`
 /// is independent of the others.
 pub fn louder(blocks: &[Moments], kept: &[usize], bread: &DMatrix<f64>, every: f64) -> Vec<f64> {
-    let (squares, rows) = blocks.iter().fold((0.0, 0.0), |(squares, rows), block| {
-        (squares + block.squares(), rows + block.rows)
-    });
+    let (squares, rows) = blocks
+        .iter()
+        .fold((0.0, 0.0), |(squares, rows), block| (squares + block.squares(), rows + block.rows));
     let of = |own: usize| {
         let (mut uneven, mut even, mut chance) = (0.0, 0.0, 0.0);
         for block in blocks {
