@@ -78,7 +78,8 @@ def _learned(rows: list[Row]) -> Iterator[str]:
     without = "complete % | accused % | M off | holds %"
     hiding = without.replace("complete %", "first % | exact %")
     yield f"{'learned':{WIDTH}} |   n | said % | {without} | {hiding} | floor"
-    for fault, own in _by_fault(rows):
+    together = [("all but *", [row for row in rows if not barred(row["fault"])])] if rows else []
+    for fault, own in [*_by_fault(rows), *together]:
         bare, rich = ([row for row in own if bool(row["hid"]) is hides] for hides in (False, True))
         cells = [
             f"{len(bare)}+{len(rich)}",

@@ -38,14 +38,17 @@ def main() -> None:
     )
     parser.add_argument("--fits", type=int, default=40, help="knobs without an effect that are fitted")
     parser.add_argument("--first", type=int, default=0, help="the first seed")
-    parser.add_argument("--only", choices=list(FAULTS), help="this fault alone, written nowhere")
+    parser.add_argument("--only", nargs="+", choices=list(FAULTS), help="these faults, written nowhere")
+    parser.add_argument("--apart", type=int, default=0, help="seeds from one fault to the next: other knobs")
     parser.add_argument("--jobs", type=int, default=2, help="processes")
-    parser.add_argument("--cap", type=float, default=60.0, help="seconds after which a log has no answer")
+    parser.add_argument(
+        "--cap", type=float, default=60.0, help="seconds of the processor after which a log has no answer"
+    )
     options = parser.parse_args()
     logs = [
         log
-        for fault in ([options.only] if options.only else FAULTS)
-        for log in asked(fault, options.seeds, options.fits, options.first, options.cap)
+        for at, fault in enumerate(options.only or FAULTS)
+        for log in asked(fault, options.seeds, options.fits, options.first + options.apart * at, options.cap)
     ]
     rows = run(logs, options.jobs)
     head = f"{time.strftime('%Y-%m-%d', time.gmtime())}: {COMMAND.format(**vars(options))}"

@@ -139,6 +139,32 @@ def test_a_folder_of_runs_is_its_captures_for_a_command_of_several(tmp_path: Pat
 
 
 @pytest.mark.skipif(not BAM.exists(), reason=f"{BAM} is absent; set KNOBCAM_SHARED_DATA")
+@pytest.mark.parametrize("form", ["documents", "rows", "named", "columns"])
+def test_several_runs_in_one_file_are_chosen_between(form: str, tmp_path: Path) -> None:
+    runs = [bam(vin=7.4), bam(vin=7.0)]
+    for run, sign in zip(runs, (1.0, -1.0), strict=True):
+        for entry, angle in zip(run["entries"], THETA, strict=True):
+            entry["position"] = sign * angle
+    both: Any = runs
+    if form == "rows":
+        both = [run["entries"] for run in runs]
+    elif form == "named":
+        both = {"machine": "arm", "runs": runs}
+    elif form == "columns":
+        both = [{"timestamp": T.tolist(), "position": (sign * THETA).tolist()} for sign in (1.0, -1.0)]
+    path = written(tmp_path, both)
+    with pytest.raises(InputError, match=r"2 runs in one file; choose one.*--joint 1.*a folder of them"):
+        read_table(path)
+    with pytest.raises(InputError, match=r"no run '3'; there are 1, 2"):
+        read_table(path, joint="3")
+    for joint, sign in (("1", 1.0), ("2", -1.0)):
+        np.testing.assert_allclose(read_table(path, joint=joint).column("position"), sign * THETA)
+
+
+def test_a_run_alone_in_a_list_is_that_run(tmp_path: Path) -> None:
+    assert kc.load(written(tmp_path, [bam()])).torque_unit == "V"
+
+
 def test_the_duty_of_a_real_servo_has_a_sign_and_ends_at_one() -> None:
     for path in sorted(BAM.glob("*.json")):
         columns = read_table(path).columns

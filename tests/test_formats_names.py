@@ -252,6 +252,32 @@ def test_a_simplefoc_monitor_asks_for_its_rate_and_its_torque(
     np.testing.assert_allclose(kc.load(path, rate_hz=500.0, **asked).theta, THETA, atol=1e-9)  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize(
+    "place", ["/joint_states/joint1/{}", "/joint_states/shoulder_pan/{}", "/arm/joint_states/{}[0]"]
+)
+def test_joints_that_plotjuggler_writes_are_known_by_their_place_in_a_message(
+    place: str, tmp_path: Path
+) -> None:
+    names = [place.format(part) for part in ("position", "velocity", "effort")]
+    path = log(tmp_path, ",".join(["__time", *names]), T, THETA, OMEGA, TAU)
+    assert f"columns of PlotJuggler: t = __time [s], theta = {names[0]}" in assert_taken(path)
+
+
+def test_of_several_joints_that_plotjuggler_writes_one_is_chosen_or_mapped(tmp_path: Path) -> None:
+    places = [
+        f"/joint_states/{joint}/{part}" for joint in "ab" for part in ("position", "velocity", "effort")
+    ]
+    path = log(tmp_path, ",".join(["__time", *places]), T, ZERO, ZERO, ZERO, THETA, OMEGA, TAU)
+    with pytest.raises(InputError, match="a/position and /joint_states/b/position could each be theta"):
+        kc.load(path)
+    with pytest.raises(InputError, match="no joint 'c'; there are a, b"):
+        kc.load(path, joint="c")
+    np.testing.assert_allclose(kc.load(path, joint="b").theta, THETA, atol=1e-9)
+    own = ["t=__time", "theta=`/joint_states/b/position`", "tau=`/joint_states/b/effort`"]
+    mapped = kc.load(path, map=own)
+    np.testing.assert_allclose(mapped.tau, TAU, atol=1e-9)
+
+
 def test_the_numbers_of_joints_part_the_columns_of_a_robot(tmp_path: Path) -> None:
     one = log(tmp_path, "time,q3,dq3,tau3", T, THETA, OMEGA, TAU)
     assert "theta = q3" in assert_taken(one)

@@ -15,6 +15,7 @@ mod serial;
 mod solve;
 mod through;
 mod undetermined;
+mod uneven;
 mod worth;
 
 pub use expected::Expected;
@@ -47,6 +48,7 @@ use serial::{Meat, serial, thinned};
 use solve::{Normal, independent, solvable};
 use std::cell::OnceCell;
 use undetermined::{SILENT, silent, undetermined};
+use uneven::louder;
 
 /// Blocks of the block bootstrap and of the held-out error.
 const BLOCKS: f64 = 200.0;
@@ -302,11 +304,12 @@ fn finish(
                 DMatrix::from_fn(kept.len(), kept.len(), |i, j| meat.products[kept[i] * k + kept[j]]);
             let degrees = used / (used - kept.len() as f64);
             let sandwich = &bread * &middle * &bread;
+            let louder = louder(&blocks, &kept, &bread, every as f64);
             let by_parts = parts.map(|parts| parts.variances(&kept));
             // What is missing is no noise: what comes back of it adds to what noise with a memory does.
             let wider = |i: usize| {
                 let more = by_parts.as_ref().map_or(0.0, |all| all[kept[i]]);
-                (1.0 + excess * more / (sandwich[(i, i)] * degrees)).sqrt()
+                (louder[i] + excess * more / (sandwich[(i, i)] * degrees)).sqrt()
             };
             let wider: Vec<f64> = (0..kept.len()).map(wider).collect();
             DMatrix::from_fn(kept.len(), kept.len(), |i, j| sandwich[(i, j)] * degrees * wider[i] * wider[j])

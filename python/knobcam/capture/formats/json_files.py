@@ -21,11 +21,12 @@ _BLOCK = 2**18  # bytes that are parsed at once
 _LARGEST = 24_000_000  # bytes of one document or line, whose objects can take forty times that
 _TVIEW = {"controller", "timestamp", "channel", "data"}
 _SERVO = "servo_stats"  # the channel of tview that has the motion
+_WIDEST = 64  # numbers that a row has under one name: so many joints; a list of more is a column of a run
 _XL330_PWM = 885.0  # counts at a duty of 1: ROBOTIS e-Manual of the XL330-M288, PWM Limit
 
 
 def read_json(stream: IO[bytes], budget: Budget, joint: str | None = None) -> Table:
-    """Return the table in a text; `joint` chooses one of several controllers in a log of tview.
+    """Return the table in a text; `joint` chooses one of several controllers in a log of tview, or a run.
 
     Nested objects become dotted names, lists `name.c0`, `name.c1`; true is 1, null NaN, and a number beside
     the rows a scalar. Raises InputError for what is no JSON or has no rows.
@@ -40,14 +41,17 @@ def read_json(stream: IO[bytes], budget: Budget, joint: str | None = None) -> Ta
             return _tview(source, rows, joint)
         check_joint(source, joint)
         return _rows(source, "JSON lines", rows)
-    check_joint(source, joint)
     if len(raw) > _LARGEST:
         raise InputError(f"{source}: {len(raw)} bytes in one JSON document; write it as lines, or as CSV")
     try:
         document = json.loads(raw)
     except (ValueError, RecursionError) as error:
         raise InputError(f"{source}: damaged JSON ({error}); export it again") from error
-    return _whole(source, document)
+    runs = _runs(document)
+    if runs is None:
+        check_joint(source, joint)
+        return _whole(source, document)
+    return _whole(source, runs[_run(source, len(runs), joint)])
 
 
 def _lines(source: str, raw: bytes) -> Iterator[Mapping[str, Any]]:
@@ -165,6 +169,29 @@ def _tview(source: str, rows: Iterable[Mapping[str, Any]], joint: str | None) ->
         raise InputError(f"{source}: a log of tview without the channel {_SERVO}; log that one too")
     name = choose(source, joint, built, "controllers")
     return Table(source, "tview JSON lines", built[name].columns(), built[name].broken)
+
+
+def _runs(document: Any) -> list[Any] | None:
+    """Return the runs where a document is a list of them, or has one; None for one run."""
+    lists = [document, *(document.values() if isinstance(document, dict) else [])]
+    return next((one for one in lists if isinstance(one, list) and one and all(map(_is_run, one))), None)
+
+
+def _is_run(value: Any) -> bool:
+    """Whether a value has rows in it, or columns longer than any row."""
+    if not isinstance(value, dict):
+        return _is_rows(value)
+    lists = [part for part in value.values() if isinstance(part, list)]
+    return any(_is_rows(part) or len(part) > _WIDEST for part in lists)
+
+
+def _run(source: str, count: int, asked: str | None) -> int:
+    if asked is None and count > 1:
+        raise InputError(
+            f"{source}: {count} runs in one file; choose one, for example --joint 1, or write each to a "
+            "file: a folder of them is fitted as one experiment"
+        )
+    return int(choose(source, asked, [str(at + 1) for at in range(count)], "runs")) - 1
 
 
 def _whole(source: str, document: Any) -> Table:

@@ -1,7 +1,8 @@
 """Loggers that are known by the names of their columns, and what theirs are in.
 
 moteus (revolutions): mjbots/moteus, `lib/python/examples/csv_output.py` and the logs of tview. ODrive
-(turns): firmware 0.5 and newer. BAM: Rhoban/bam, `bam/dynamixel/record.py`. SimpleFOC: `FOCMotor::monitor()`.
+(turns): firmware 0.5 and newer. PlotJuggler: its CSV of `sensor_msgs/JointState`. BAM: Rhoban/bam,
+`bam/dynamixel/record.py`. SimpleFOC: `FOCMotor::monitor()`.
 """
 
 from __future__ import annotations
@@ -44,7 +45,8 @@ class Logger:
 
 
 def _ends(name: str, ending: str) -> bool:
-    return re.fullmatch(rf"(.*[^a-z])?{re.escape(ending)}", name, re.IGNORECASE | re.DOTALL) is not None
+    pattern = rf"(.*[^a-z])?{re.escape(ending)}(\[\d+\])?"
+    return re.fullmatch(pattern, name, re.IGNORECASE | re.DOTALL) is not None
 
 
 def _is(quantity: str, unit: str) -> Label:
@@ -82,6 +84,13 @@ def _by_estimates(names: set[str]) -> bool:
     return has("pos_estimate") and (has("vel_estimate") or has("Iq_measured") or of_axis)
 
 
+def _by_places(names: set[str]) -> bool:
+    """By PlotJuggler's clock, beside a joint's state under the place that it has in its message."""
+    places = [name for name in names if name.startswith("/")]
+    return "__time" in names and all(any(_ends(name, one) for name in places) for one in _STATE)
+
+
+_STATE = {"position": Label("theta", plain=True), "effort": Label("tau", plain=True)}
 _OTHER = Label(None)
 _COMMANDED = {
     f"{kind}_{name}": _OTHER
@@ -119,6 +128,11 @@ LOGGERS = (
             "torque_estimate": _is("tau", "N m"),
             "Iq_measured": _is("current", "A"),
         },
+    ),
+    Logger(
+        "PlotJuggler",
+        _by_places,
+        {"__time": _is("t", "s"), **_STATE, "velocity": Label("omega", plain=True)},
     ),
     Logger(
         "BAM",

@@ -1,4 +1,4 @@
-"""A log with the samples of several motors one below the other: whose they are stands in a column."""
+"""A log of several motors: side by side in columns, or one below the other and whose they are in a column."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from .header import words_of
+from .paths import of_joint
 from .table import Table, check_joint, choose
 
 _NUMBERS = frozenset({"id", "no", "nr", "number", "index"})
@@ -23,14 +24,16 @@ def of_one(table: Table, joint: str | None) -> Table:
 
     InputError lists them where none was asked for.
     """
+    if joint is not None and (own := of_joint(table, joint)) is not None:
+        return own
     found = next(((name, ids) for name, ids in table.columns.items() if _numbers_motors(name, ids)), None)
     if found is None:
         check_joint(table.source, joint)
         return table
     name, ids = found
-    own = ids == float(choose(table.source, joint, [f"{one:g}" for one in np.unique(ids)], "motors"))
+    rows = ids == float(choose(table.source, joint, [f"{one:g}" for one in np.unique(ids)], "motors"))
     columns = {
-        other: column[own] if column.shape == ids.shape else column
+        other: column[rows] if column.shape == ids.shape else column
         for other, column in table.columns.items()
         if other != name
     }
