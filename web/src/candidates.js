@@ -4,7 +4,7 @@ import { make } from "./dom.js";
 import { fitFormulas, lawOf } from "./math.js";
 import { listed, titleOf } from "./names.js";
 import { number, percent } from "./numbers.js";
-import { sentence } from "./said.js";
+import { nodes, sentence } from "./said.js";
 
 /** @typedef {import("./types.js").Candidate} Candidate */
 /** @typedef {import("./types.js").State} State */
@@ -99,7 +99,7 @@ export class Candidates {
       make("span", { class: "evidence soft", text: evidence(row, about) }),
       this.untold(row),
       ...remarks(row).map((words) => make("span", { class: "alike soft" }, ...words)),
-      ...row.implausible.map((text) => make("span", { class: "alike doubt", text: `⚠ ${text}` })),
+      ...row.implausible.map((why) => make("span", { class: "alike doubt" }, "⚠ ", ...nodes(why, about))),
     );
   }
 

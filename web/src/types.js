@@ -125,7 +125,9 @@
  *   word: "missing" | "part" | "alike" | "less" | "implausible" | "too_little" | "unpaid" | "chance" | "untold",
  *   said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   could_be: boolean, beyond_chance: boolean, p_value: number, error_fall: number, rmse_heldout: number | null,
- *   moved: Record<string, Movement>, equivalent: string[], implausible: string[], note: string}} Candidate
+ *   moved: Record<string, Movement>, equivalent: string[],
+ *   implausible: ((string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[])[],
+ *   note: string}} Candidate
  */
 
 /**

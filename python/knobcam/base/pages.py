@@ -130,7 +130,7 @@ class Candidate(Effect):
     rmse_heldout: float | None
     moved: dict[str, Movement]
     equivalent: list[str]
-    implausible: list[str]
+    implausible: list[list[Part]]
     note: str
 
 

@@ -53,13 +53,13 @@ class Candidate:
     gain: float
     count: int
     equivalent: tuple[str, ...] = ()
-    implausible: tuple[str, ...] = ()
+    implausible: tuple[Said, ...] = ()
     note: str = ""
     word: pages.Word = "untold"
     said: Said = field(default_factory=Said)
 
     @property
-    def unphysical(self) -> tuple[str, ...]:
+    def unphysical(self) -> tuple[Said, ...]:
         """The older name of `implausible`."""
         warnings.warn("Candidate.unphysical is now called implausible", DeprecationWarning, stacklevel=2)
         return self.implausible
@@ -148,7 +148,7 @@ class Candidate:
             "rmse_heldout": self.rmse_heldout,
             "moved": describe(self.moved),
             "equivalent": list(self.equivalent),
-            "implausible": list(self.implausible),
+            "implausible": [one.document() for one in self.implausible],
             "note": self.note,
         }
 
@@ -156,8 +156,10 @@ class Candidate:
         """Return it as the diagnosis's document has it."""
         params = documented(self.fit.params)
         own = {name: params[name] for name in self.parameters}
-        older = {"unphysical": list(self.implausible)}  # its name until now, for one version
-        return {**self.evidence(), **older, "said": self.said, "rmse": self.rmse, "params": own}
+        why = list(self.implausible)
+        older = {"unphysical": why}  # its name until now, for one version
+        words = {"said": self.said, "implausible": why}
+        return {**self.evidence(), **older, **words, "rmse": self.rmse, "params": own}
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -9,7 +9,7 @@ import numpy as np
 
 from .. import _core
 from ..base.arrays import FloatArray
-from ..base.said import Advice, Said, joined, said
+from ..base.said import Advice, OfEffect, OfParam, Said, joined, number, said
 from ..model.effects import base_effects, effects
 from .power import gives_back
 from .refit import cores
@@ -34,7 +34,7 @@ _MANY = 10.0
 """Times the measured torque, RMS, that no term makes of which nobody knows whether it is there."""
 
 
-def implausible(candidate: Candidate, before: Fit) -> tuple[str, ...]:
+def implausible(candidate: Candidate, before: Fit) -> tuple[Said, ...]:
     """Return what is implausible about the values of a candidate, a sentence each."""
     fit = candidate.fit
     clipped = any(finding.kind == "clipped" for one in fit.prepared for finding in one.capture.findings)
@@ -44,7 +44,7 @@ def implausible(candidate: Candidate, before: Fit) -> tuple[str, ...]:
         *_below_zero(candidate, before),
         *_pushed_out(candidate, before),
         *_unseen(fit, before),
-        *own,
+        *(said(one, **{effect: OfEffect(effect) for effect in fit.model.catalogue()}) for one in own),
     )
 
 
@@ -78,7 +78,7 @@ def impossible(fit: Fit) -> str | None:
     """
     base = base_effects(fit.model.coordinate)
     beside = [one for one in fit.model.effects if one not in base]
-    if outside := [said for one in beside for said in _out_of_range(one, fit)]:
+    if outside := [why for one in beside for why in _out_of_range(one, fit)]:
         return outside[0]
     told = {name: fit.params[name] for name in _never_negative(fit.model.coordinate) if name in fit.params}
     if (name := _taken_away(told, fit)) is not None:
@@ -168,17 +168,17 @@ def one_velocity(prepared: Sequence[Prepared]) -> str | None:
     return None
 
 
-def _unseen(fit: Fit, before: Fit) -> list[str]:
+def _unseen(fit: Fit, before: Fit) -> list[Said]:
     """Return that an effect loses on blocks that the fit did not see no less than it wins on the others."""
     if not (before.rmse > 0.0 and before.rmse_heldout > 0.0):
         return []
     won, lost = 1.0 - fit.rmse / before.rmse, fit.rmse_heldout / before.rmse_heldout - 1.0
-    said = f"on blocks that the fit did not see it adds {100.0 * lost:.1f} %"
-    return [said] if lost > max(won, 0.0) else []
+    adds = said("on blocks that the fit did not see it adds {lost}", lost=number(100.0 * lost, "%", ".1f"))
+    return [adds] if lost > max(won, 0.0) else []
 
 
-def _out_of_range(effect: str, fit: Fit) -> list[str]:
-    said = []
+def _out_of_range(effect: str, fit: Fit) -> list[Said]:
+    found = []
     for row in fit.model.catalogue()[effect].params:
         name = f"{effect}.{row.name}"
         estimate = fit.params.get(name)
@@ -187,8 +187,8 @@ def _out_of_range(effect: str, fit: Fit) -> list[str]:
         if any(math.isclose(estimate.value, bound, rel_tol=1e-6) for bound in (row.lower, row.upper)):
             estimate = estimate._replace(se=0.0)  # where the search was stopped there is no doubt
         why = out_of_range(estimate, row.plausible)
-        said += [] if why is None else [f"{name} = {why}"]
-    return said
+        found += [] if why is None else [said("{param} = {why}", param=OfParam(name), why=why)]
+    return found
 
 
 def out_of_range(estimate: Estimate, plausible: tuple[float, float]) -> str | None:
@@ -201,17 +201,17 @@ def out_of_range(estimate: Estimate, plausible: tuple[float, float]) -> str | No
     return f"{estimate.value:.3g} is implausible: it should be {limits}"
 
 
-def _pushed_out(candidate: Candidate, before: Fit) -> list[str]:
+def _pushed_out(candidate: Candidate, before: Fit) -> list[Said]:
     """Return what came in before and ends out of its range beside it, where it was not."""
     base, there = base_effects(before.model.coordinate), candidate.fit.model.effects
     came = [one for one in before.model.effects if one not in base and one in there]
     fine = [one for one in came if not _out_of_range(one, before)]
-    return [f"beside it {said}" for one in fine for said in _out_of_range(one, candidate.fit)]
+    return [Said("beside it ", why) for one in fine for why in _out_of_range(one, candidate.fit)]
 
 
-def _below_zero(candidate: Candidate, before: Fit) -> list[str]:
+def _below_zero(candidate: Candidate, before: Fit) -> list[Said]:
     """Return what it bends below zero that was not before."""
-    said = []
+    found = []
     for name in _never_negative(candidate.fit.model.coordinate):
         now, then = candidate.fit.params.get(name), before.params.get(name)
         if now is None or then is None or not (now.determined and then.determined):
@@ -219,8 +219,11 @@ def _below_zero(candidate: Candidate, before: Fit) -> list[str]:
         bent = now.value + RULE.sure * now.se < min(0.0, then.value - RULE.sure * then.se)
         # What makes less torque than remains unexplained is bent by that.
         if bent and torque_of(candidate.fit, name) > candidate.rmse:
-            said.append(f"beside it {name} = {now.value:.3g}, which no knob has")
-    return said
+            what = f"{now.value:.3g}"
+            found.append(
+                said("beside it {param} = {what}, which no knob has", param=OfParam(name), what=what)
+            )
+    return found
 
 
 def torque_of(fit: Fit, name: str) -> float:

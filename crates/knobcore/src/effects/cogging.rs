@@ -117,7 +117,7 @@ impl Effect<COUNT> for Cogging {
             (1.0 - WHOLE..HARMONICS + WHOLE).contains(&waves) && (waves - waves.round()).abs() < WHOLE
         };
         if !orders.is_empty() && orders.into_iter().all(theirs) {
-            return vec!["it repeats with the detents: detent_harmonics would, by nature".into()];
+            return vec!["it repeats with the detents: {detent_harmonics} would, by nature".into()];
         }
         Vec::new()
     }

@@ -105,7 +105,7 @@ impl Effect<9> for PositionFriction {
         }
         let ratio = context.period.map_or(f64::NAN, |detents| period / detents);
         if LOCKED.iter().any(|times| (ratio / times - 1.0).abs() < CLOSE) {
-            let others = "load_friction or directional_detent would, by nature";
+            let others = "{load_friction} or {directional_detent} would, by nature";
             return vec![format!("it repeats with the detents: {others}")];
         }
         if context.friction[0] * context.friction[1] < 0.0 {

@@ -83,7 +83,7 @@ impl Effect<3> for SecondDetent {
         if let Some(turn) = context.revolution.filter(|turn| waves(*turn) >= TURNS) {
             let order = (turn / period).round();
             if (own - order * waves(turn)).abs() < bound {
-                return vec![format!("it comes {order} times per turn: cogging would, by nature")];
+                return vec![format!("it comes {order} times per turn: {{cogging}} would, by nature")];
             }
         }
         let Some(detents) = context.period.map(waves) else { return Vec::new() };
@@ -92,7 +92,7 @@ impl Effect<3> for SecondDetent {
         }
         let series = |slower: u8| (1..=HARMONICS).map(move |n| f64::from(n) / f64::from(slower));
         if (1..=SLOWER).flat_map(series).any(|times| (own - times * detents).abs() < bound) {
-            return vec!["it repeats with the detents: detent_harmonics would, by nature".into()];
+            return vec!["it repeats with the detents: {detent_harmonics} would, by nature".into()];
         }
         Vec::new()
     }

@@ -63,11 +63,11 @@ fn a_second_series_is_bound_neither_to_the_detents_nor_to_the_turn() {
     assert!(waves(0.077, &short).starts_with("it is too near the detents"));
     // Twice the detents' waves, and three halves.
     for period in [0.05, 0.0667] {
-        assert!(waves(period, &short).ends_with("detent_harmonics would, by nature"));
+        assert!(waves(period, &short).ends_with("{detent_harmonics} would, by nature"));
     }
     // Within a third of a turn nothing tells whether an order is whole.
     assert_eq!(waves(1.0 / 17.0, &short), "");
-    assert_eq!(waves(1.0 / 17.0, &round), "it comes 17 times per turn: cogging would, by nature");
+    assert_eq!(waves(1.0 / 17.0, &round), "it comes 17 times per turn: {cogging} would, by nature");
     assert_eq!(waves(1.0 / 17.4, &round), "");
     round.revolution = None;
     assert_eq!(waves(1.0 / 17.0, &round), "");

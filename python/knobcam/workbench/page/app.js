@@ -972,7 +972,7 @@ var Candidates = class {
       make("span", { class: "evidence soft", text: evidence(row, about2) }),
       this.untold(row),
       ...remarks(row).map((words3) => make("span", { class: "alike soft" }, ...words3)),
-      ...row.implausible.map((text) => make("span", { class: "alike doubt", text: `⚠ ${text}` }))
+      ...row.implausible.map((why) => make("span", { class: "alike doubt" }, "⚠ ", ...nodes(why, about2)))
     );
   }
   /**

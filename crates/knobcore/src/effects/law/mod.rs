@@ -40,7 +40,7 @@ pub trait Law: Sync {
     /// Parameter values of an ordinary size on a knob.
     fn typical(&self, carrier: &Carrier<'_>) -> Vec<f64>;
 
-    /// What is implausible about such values in such a fit, a sentence each.
+    /// What is implausible about such values in such a fit, a sentence each; effects that it names stand in braces.
     fn implausible(&self, _p: &[f64], _context: &Context) -> Vec<String> {
         Vec::new()
     }
