@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from pathlib import Path
 
@@ -11,9 +12,10 @@ from command import knobcam, refused
 
 import knobcam as kc
 from knobcam.capture.motion_plan import MotionPlan, Move, Rest, Waves
+from knobcam.learn.designing import design
 from knobcam.learn.limits import Limits
 from knobcam.learn.motion_space import bank, changed, plan
-from knobcam.learn.telling import Telling, wrong_choice
+from knobcam.learn.telling import Rival, Telling, wrong_choice
 
 LIMITS = Limits(0.1, 6.0, 80.0, -1.0, 2.0, duration_s=4.0, sample_rate_hz=2000.0)
 
@@ -94,6 +96,23 @@ def weak() -> kc.LearningResult:
     knob = kc.Model.load("knob4").with_effect("stribeck")
     knob = knob.with_value("stribeck.rise", 0.004).with_value("stribeck.vs", 0.3)
     return kc.learn(kc.simulate(knob, "sweep", seed=4, duration_s=2.0))
+
+
+def test_a_rival_that_no_torque_there_is_could_turn_is_left_out_and_said_to_be(
+    weak: kc.LearningResult,
+) -> None:
+    (capture,) = weak.captures
+    heavy = Rival(("offset",), kc.fit(dataclasses.replace(capture, tau=1000.0 * capture.tau)))
+    others = (Rival((), weak.ladder[0].fit), Rival(("stribeck",), weak.ladder[0].fit.add("stribeck")))
+    limits = Limits.reached(weak.fit.prepared)
+    found = design((*others, heavy), limits, search_s=0.2)
+    assert found.rivals == others and found.left_out == (heavy,)
+    assert found.headline.endswith(
+        "offset: left out, as on any motion within these limits it asks for more torque than there is."
+    )
+    assert found.document()["left_out"] == [["offset"]]
+    with pytest.raises(kc.InputError, match="moves no rival"):
+        design((others[0], heavy), limits, search_s=0.2)
 
 
 def test_what_is_expected_comes_true_on_the_motion_that_is_designed(weak: kc.LearningResult) -> None:

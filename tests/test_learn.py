@@ -50,6 +50,7 @@ def test_a_knob_with_nothing_missing_is_complete(capture: kc.Capture) -> None:
     assert (story.verdict, story.found, story.unexplained) == ("complete", (), None)
     assert len(story.ladder) == 1 and story.limitations == ()
     assert story.headline == "Nothing is missing that this capture could show: chance explains the error."
+    assert story.record is None
 
 
 def test_hum_in_the_torque_is_unexplained_and_its_line_is_named(capture: kc.Capture) -> None:
@@ -61,6 +62,7 @@ def test_hum_in_the_torque_is_unexplained_and_its_line_is_named(capture: kc.Capt
     assert story.unexplained.axis == "time" and float(line) == pytest.approx(50.0, abs=0.5)
     assert story.unexplained.share > 0.5
     assert "no effect of the catalogue explains" in repr(story)
+    assert story.record is not None and "standing still with the drive on" in story.record
 
 
 def test_detents_belong_to_the_base_model_also_where_they_come_in_late(sprung: kc.Capture) -> None:

@@ -131,6 +131,16 @@ def test_who_is_best_while_something_else_is_missing_too_is_not_taken_for_right(
     assert len(state["active"]) == 2
 
 
+def test_a_motion_for_a_model_that_has_something_else_in_it_by_now_is_not_shown(client: httpx.Client) -> None:
+    post(client, "simulate", **SPRUNG)
+    post(client, "design", effects=RIVALS)
+    found = shown(client)["experiment"]
+    post(client, "add", effect="return_spring")
+    assert shown(client)["experiment"] is None
+    post(client, "undo")
+    assert shown(client)["experiment"]["id"] == found["id"]
+
+
 def test_where_nothing_is_tied_the_next_motion_is_for_what_is_known_least(
     client: httpx.Client, bench: Bench, tmp_path: Path
 ) -> None:

@@ -26,7 +26,8 @@ export function titleOf(effect) {
 /** A parameter in words: what it is, and of which effect. @param {string} name `effect.parameter` */
 export function paramOf(name) {
   const [effect, ...own] = name.split(".");
-  return `${meanings[name] || own.join(".")} (${titleOf(effect)})`;
+  const [words, title] = [meanings[name] || own.join("."), titleOf(effect)];
+  return words.includes(title) ? words : `${words} (${title})`;
 }
 
 /** Words, with the id that they stand for. @param {string} words @param {string} id */

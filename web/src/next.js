@@ -124,9 +124,11 @@ export class Next {
     const { experiment, node, recording, candidates } = state;
     byId("next-line").hidden = experiment === null && !(candidates.ready && node !== null);
     byId("next-show").textContent = experiment ? "Next experiment…" : "What to record next…";
+    const instead = experiment === null ? insteadOf(state) : "";
+    byId("next-show").hidden = instead !== "";
     if (experiment === null) {
       byId("next").hidden = true;
-      byId("next-said").textContent = "";
+      byId("next-said").textContent = instead;
       return;
     }
     // How it moves is told where it is shown.
@@ -299,6 +301,17 @@ export class Next {
       this.deeds.failed(reason);
     }
   }
+}
+
+/**
+ * What is to be done before a motion is designed, or recorded in its place: for a model that lacks something it would
+ * only make known better what is wrong. Nothing where captures could not tell effects apart.
+ * @param {State} state
+ */
+export function insteadOf({ candidates, record, untold }) {
+  if (untold.length > 0) return "";
+  if (candidates.rows.some(({ could_be: could }) => could)) return "What to record next: that is known once what is missing is in the model.";
+  return record ? `What to record next, to see what it is: ${record}.` : "";
 }
 
 /**

@@ -32,12 +32,15 @@ export function torqueScale({ unit, peak }) {
   return unit === "N m" && peak <= 2 ? { factor: 1000, unit: "mNm" } : { factor: 1, unit };
 }
 
+/** What has a shorter name; the radian is left out, as everybody does. @type {Record<string, string>} */
+const SHORT = { "N s^2/m": "kg", "N m s^2/rad": "kg m²", 1: "" };
+
 /**
- * A unit as a person writes it: N m s²/rad; nothing for what has none.
+ * A unit as a person writes it: N m s/rad, kg m² for N m s^2/rad; nothing for what has none.
  * @param {string} unit
  */
 export function unitWords(unit) {
-  return unit === "1" ? "" : unit.replaceAll("^2", "²").replaceAll("^3", "³");
+  return SHORT[unit] ?? unit.replaceAll("^2", "²").replaceAll("^3", "³");
 }
 
 /**

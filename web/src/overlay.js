@@ -2,6 +2,7 @@
 
 import { post, wordsOf } from "./api.js";
 import { byId } from "./dom.js";
+import { titleOf } from "./names.js";
 import { timed } from "./timing.js";
 
 /** @typedef {import("./types.js").State} State */
@@ -38,7 +39,7 @@ export class Overlay {
     this.looking.abort();
     this.looking = new AbortController();
     const { signal } = this.looking;
-    byId("looked").textContent = what ? `what ${what} would explain` : "";
+    byId("looked").textContent = what ? `what ${titleOf(what)} would explain` : "";
     byId("looked").toggleAttribute("hidden", what === null);
     const state = this.state();
     const node = state?.node;

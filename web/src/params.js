@@ -49,7 +49,7 @@ export class Params {
     const lines = [...groups].flatMap(([effect, own]) => [
       this.heading(effect, groups.size > 1),
       ...own.flatMap((param) => {
-        const doubt = param.doubt ? sentence(param.doubt, about) : "";
+        const doubt = param.doubt ? sentence(withoutName(param.doubt, param.name), about).trim() : "";
         return [this.line(param, doubt), own.length <= WORDED ? meaning(param) : "", reason(doubt)];
       }),
     ]);
@@ -106,6 +106,11 @@ export class Params {
 /** What a parameter is, below it. @param {Param} param */
 function meaning({ meaning: words }) {
   return words ? make("tr", {}, make("td", { class: "meaning soft", colspan: 4, text: words })) : "";
+}
+
+/** A sentence without the parameter that it begins with, below which it stands. @param {import("./said.js").Part[]} said @param {string} name */
+function withoutName([first, ...rest], name) {
+  return typeof first === "object" && "param" in first && first.param === name ? rest : [first, ...rest];
 }
 
 /** Why a value is doubted, below it. @param {string} doubt */

@@ -197,14 +197,17 @@
 /**
  * What a session has; before the first capture there is no node, `proposed` is null until it is asked.
  *
- * Of the effects in each of `untold` one is in the model, not known which. `peak` is the largest torque,
+ * Of the effects in each of `untold` one is in the model, not known which. `verdict` begins with what is
+ * `concluded`, if anything is; `record` is what to record next to see more of what no effect explains. `peak` is the largest torque,
  * `titles` those of all effects.
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, peak: number,
  *   params: Param[], together: Together[], rmse: number | null, rmse_heldout: number | null,
+ *   concluded: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
- *   ladder: LadderStep[], candidates: Candidates, warnings: string[], limitations: string[],
- *   titles: Record<string, string>, absent: Effect[], untold: string[][], proposed: Law[] | null,
+ *   record: string | null, ladder: LadderStep[], candidates: Candidates, warnings: string[],
+ *   limitations: string[], titles: Record<string, string>, absent: Effect[], untold: string[][],
+ *   proposed: Law[] | null,
  *   proposed_said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   curve: Curve | null, surface: Surface | null, experiment: Experiment | null}} Session
  */
@@ -236,9 +239,11 @@
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, peak: number,
  *   params: Param[], together: Together[], rmse: number | null, rmse_heldout: number | null,
+ *   concluded: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
- *   ladder: LadderStep[], candidates: Candidates, warnings: string[], limitations: string[],
- *   titles: Record<string, string>, absent: Effect[], untold: string[][], proposed: Law[] | null,
+ *   record: string | null, ladder: LadderStep[], candidates: Candidates, warnings: string[],
+ *   limitations: string[], titles: Record<string, string>, absent: Effect[], untold: string[][],
+ *   proposed: Law[] | null,
  *   proposed_said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   curve: Curve | null, surface: Surface | null, experiment: Experiment | null, job: Job | null,
  *   recording: boolean, looked: Looked | null, left: Left[], notes: string[]}} State

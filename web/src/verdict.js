@@ -17,23 +17,23 @@ import { sentence, wordsOfPart } from "./said.js";
 /**
  * Show a verdict; it is announced only where its words have changed.
  * @param {HTMLElement} element
- * @param {Pick<State, "verdict" | "candidates" | "titles">} told
+ * @param {Pick<State, "concluded" | "verdict" | "candidates" | "titles">} told
  * @param {import("./said.js").About} about
  * @param {To} to
  */
-export function showVerdict(element, { verdict, candidates, titles }, about, to) {
-  const key = JSON.stringify([verdict, candidates, about, titles]);
+export function showVerdict(element, { concluded, verdict, candidates, titles }, about, to) {
+  const key = JSON.stringify([concluded, verdict, candidates, about, titles]);
   if (element.dataset.told === key) return;
   element.dataset.told = key;
-  const first = plainly(candidates, about, to);
-  const worst = verdict.find((part) => typeof part === "object" && "low" in part);
+  const worst = [...concluded, ...verdict].find((part) => typeof part === "object" && "low" in part);
   const place = /** @type {Stretch | undefined} */ (worst);
-  const shown = verdict.map((part) => {
+  const shown = (/** @type {Part} */ part) => {
     const [words, leads] = [wordsOfPart(part, about), leadOf(part, place, candidates, to)];
     return leads ? link({ words, ...leads }) : words;
-  });
-  const head = first.map((part) => (typeof part === "string" ? part : link(part)));
-  element.replaceChildren(...(head.length > 0 ? [make("strong", {}, ...head), " "] : []), ...shown);
+  };
+  const first = plainly(candidates, about, to).map((part) => (typeof part === "string" ? part : link(part)));
+  const head = [...first, ...concluded.map(shown)];
+  element.replaceChildren(...(head.length > 0 ? [make("strong", {}, ...head), " "] : []), ...verdict.map(shown));
 }
 
 /**

@@ -2,8 +2,9 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { beyondWords, mostLimits, mostReach } from "../src/outliers.js";
-import { ticks } from "../src/numbers.js";
-import { known } from "../src/names.js";
+import { ticks, unitWords } from "../src/numbers.js";
+import { known, paramOf } from "../src/names.js";
+import { sentence } from "../src/said.js";
 import { plainly } from "../src/verdict.js";
 
 const KNOB = /** @type {const} */ ({ unit: "N m", peak: 0.02, coordinate: "rotary" });
@@ -48,6 +49,26 @@ test("a verdict begins with what is missing in plain words, and with what to do 
   assert.deepEqual(led, ["detent", "detent,position_polynomial"]);
   assert.equal(said({ ready: false, rows: [row] }), "");
   assert.equal(said({ ready: true, rows: [{ ...row, could_be: false }] }), "");
+});
+
+test("what to record next waits for what is missing, and says in words what shows more of what has no name", async () => {
+  globalThis.location = /** @type {any} */ ({ search: "" });
+  const { insteadOf } = await import("../src/next.js");
+  const state = (/** @type {boolean} */ could, /** @type {string | null} */ record, /** @type {string[][]} */ untold = []) =>
+    insteadOf(/** @type {any} */ ({ candidates: { rows: [{ could_be: could }] }, record, untold }));
+  assert.match(state(true, null), /once what is missing is in the model/);
+  assert.equal(state(false, "slow passes"), "What to record next, to see what it is: slow passes.");
+  assert.equal(state(false, null), "", "where nothing is missing a motion is designed");
+  assert.equal(state(true, null, [["detent", "return_spring"]]), "", "and where effects look alike");
+});
+
+test("units and numbers of sentences are written as people write them", () => {
+  assert.deepEqual(["N s^2/m", "N m s^2/rad", "1", "N m s^2/rad^2"].map(unitWords), ["kg", "kg m²", "", "N m s²/rad²"]);
+  known({ titles: { coulomb: "dry friction", inertia: "inertia" }, params: /** @type {any} */ ([
+    { name: "coulomb.neg", meaning: "dry friction moving backward" }, { name: "inertia.M", meaning: "mass" }]) });
+  assert.equal(paramOf("coulomb.neg"), "dry friction moving backward", "an effect is not named twice");
+  assert.equal(paramOf("inertia.M"), "mass (inertia)");
+  assert.equal(sentence([{ param: "inertia.M" }, " = -0.1 of -3-fold"], KNOB), "mass (inertia) = −0.1 of −3-fold");
 });
 
 test("a torque's axis is that of all but a few samples that would have half of it alone", () => {

@@ -238,7 +238,8 @@ class Splits(TypedDict):
 class Session(TypedDict):
     """What a session has; before the first capture there is no node, `proposed` is null until it is asked.
 
-    Of the effects in each of `untold` one is in the model, not known which. `peak` is the largest torque,
+    Of the effects in each of `untold` one is in the model, not known which. `verdict` begins with what is
+    `concluded`, if anything is; `record` is what to record next to see more of what no effect explains. `peak` is the largest torque,
     `titles` those of all effects.
     """
 
@@ -256,7 +257,9 @@ class Session(TypedDict):
     together: list[Together]
     rmse: float | None
     rmse_heldout: float | None
+    concluded: list[Part]
     verdict: list[Part]
+    record: str | None
     ladder: list[LadderStep]
     candidates: Candidates
     warnings: list[str]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from .. import _core
 from ..base import showing
 from ..base.door import checked
-from ..base.said import OfAxis, Said, Stretch, Topic, number, said
+from ..base.said import OfAxis, Said, Stretch, Topic, joined, number, said
 from ..base.tables import TextTable, text_table
 from . import origin
 from .described import names
@@ -195,6 +195,11 @@ class Comparison(showing.Tabled):
     @property
     def summary(self) -> Said:
         """How large the error is, what noise leaves of it, and where it shows."""
+        return joined(" ", (self.size, self.place))
+
+    @property
+    def size(self) -> Said:
+        """How large the error is, and what noise leaves of it."""
         fit, unit = self.fit, self.fit.torque_unit
         head = said(
             "{error} {rmse}, {explained} of the variance explained, relative error {relative}",
@@ -216,13 +221,18 @@ class Comparison(showing.Tabled):
         if self.worst is None:
             end = "{head}: {times:.3f} times the noise floor of {floor}, and no axis shows where."
             return said(end, head=head, times=times, floor=floor)
-        worst = self.worst
         return said(
-            "{head}: {times:.2f} times the noise floor of {floor}. It shows most along {axis} ({share} of "
-            "the excess), worst at {where}.",
-            head=head,
-            times=times,
-            floor=floor,
+            "{head}: {times:.2f} times the noise floor of {floor}.", head=head, times=times, floor=floor
+        )
+
+    @property
+    def place(self) -> Said | None:
+        """Where the error shows; None where it does not, or chance explains it."""
+        worst = self.worst
+        if worst is None or self.exact or self.complete or not self.fit.noise_floor > 0.0:
+            return None
+        return said(
+            "It shows most along {axis} ({share} of the excess), worst at {where}.",
             axis=OfAxis(worst.axis),
             share=number(100 * worst.share, "%", ".0f"),
             where=worst.where(),

@@ -87,9 +87,19 @@ def design(
     *,
     by_hand: bool = False,
 ) -> Experiment:
-    """Return the motion that parts rivals, or of a single one makes a parameter known best; see above."""
+    """Return the motion that parts rivals, or of a single one makes a parameter known best; see above.
+
+    A rival that asks for more torque than there is on any motion is left out where two others remain.
+    """
     begun = time.monotonic()
-    designed = _Design(Telling(rivals, seed), limits, sharpen, by_hand).best(search_s, seed)
+    search = _Design(Telling(rivals, seed), limits, sharpen, by_hand)
+    stuck = () if search.moves() else tuple(one for one in rivals if not search.of(one).moves())
+    rest = tuple(one for one in rivals if one not in stuck)
+    if stuck and len(rest) > 1:
+        search = replace(search, telling=Telling(rest, seed))
+        designed = replace(search.best(search_s, seed), left_out=stuck)
+    else:
+        designed = search.best(search_s, seed)
     return replace(designed, took_s=time.monotonic() - begun)
 
 
@@ -126,6 +136,14 @@ class _Design:
                 )
             return self.sharpen
         return max(core.free, key=lambda name: params[name].se / max(abs(params[name].value), 1e-300))
+
+    def of(self, rival: Rival) -> _Design:
+        """Return the search for one of the rivals alone."""
+        return replace(self, telling=Telling((rival,), self.telling.seed))
+
+    def moves(self) -> bool:
+        """Whether any motion that a search begins with keeps to the limits."""
+        return any(self._runnable(pieces, draws=False) is not None for pieces in bank())
 
     def best(self, search_s: float, seed: int) -> Experiment:
         """Return the best motion that is found in so long, and what it tells."""

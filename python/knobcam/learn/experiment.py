@@ -68,6 +68,7 @@ class Experiment(showing.Tabled):
     sharpened: tuple[Sharpened, ...] = ()
     change: Change | None = None
     took_s: float = field(default=0.0, compare=False)
+    left_out: tuple[Rival, ...] = ()
 
     @property
     def separable(self) -> bool:
@@ -119,7 +120,15 @@ class Experiment(showing.Tabled):
         """What the motion would tell, and how it moves, in a sentence."""
         promise = self.promise
         whole = promise and said("{promise}: {about}.", promise=promise, about=self.plan.about)
-        return joined(" ", (whole, self.untold))
+        return joined(" ", (whole, self.untold, self._left_out))
+
+    @property
+    def _left_out(self) -> Said | None:
+        """Which rivals no motion can be for."""
+        if not self.left_out:
+            return None
+        why = "{names}: left out, as on any motion within these limits it asks for more torque than there is."
+        return said(why, names=joined(", ", (one.name for one in self.left_out)))
 
     def _names(self, one: Expected) -> Said:
         return joined(" and ", (self.rivals[i].name for i in one.pair))
@@ -159,6 +168,7 @@ class Experiment(showing.Tabled):
                 "about": self.plan.about,
             },
             "peak": {"torque_Nm": torque, "omega_rad_s": omega, "alpha_rad_s2": alpha},
+            "left_out": [list(rival.effects) for rival in self.left_out],
             "headline": self.headline,
             "took_s": self.took_s,
         }

@@ -34,6 +34,7 @@ from .proposals import Proposals, accepted, propose
 from .rivals import in_percent, with_choice
 from .selection import concluded, select
 from .ties import with_ties
+from .to_record import to_record
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -130,6 +131,11 @@ class LearningResult(showing.Tabled):
         """The verdict in one sentence, and in others what it may be wrong by and what was left out of it."""
         beyond = self.fit.beyond
         return joined(" ", (self._judged, self._in_doubt, beyond and beyond.sentence))
+
+    @property
+    def record(self) -> str | None:
+        """What to record next to see more of what no effect explains; None where nothing is left so."""
+        return to_record(self)
 
     @property
     def _in_doubt(self) -> str:

@@ -75,6 +75,10 @@ class Designed:
     known: Known | None = None
     promise: Said | None = None
 
+    def of_use(self, done: Sequence[str]) -> bool:
+        """Whether it is for a branch that came through these nodes; one not recorded is for its model alone."""
+        return self.node in (done if self.capture else done[-1:])
+
     def track(self) -> Any:
         """Return the motion at the rate of the captures."""
         return self.plan.track(self.limits.sample_rate_hz)

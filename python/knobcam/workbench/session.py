@@ -105,9 +105,9 @@ class Session:
 
     @property
     def experiment(self) -> Designed | None:
-        """The last motion that was designed on the way to where the branch is."""
-        there = {node.id for node in self.branch.done} if self.branches else set()
-        return next((one for one in reversed(self.designs.values()) if one.node in there), None)
+        """The last motion that was designed where the branch is, or recorded on the way there."""
+        done = [node.id for node in self.branch.done] if self.branches else []
+        return next((one for one in reversed(self.designs.values()) if one.of_use(done)), None)
 
     def place(self, view: View, capture: str) -> int:
         """Return where a capture is among those of a view. Raises InputError if it is not."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from weakref import WeakKeyDictionary
 
 from ..base import pages
-from ..base.said import OfEffect, Said, joined, said
+from ..base.said import OfEffect, Said, Stretch, joined, said
 from ..errors import InputError
 from ..fit.plausible import out_of_range
 from ..learn import LearningResult
@@ -51,7 +51,8 @@ def document(session: Session) -> pages.Session:
     told = _said(fitted)
     steps = ladder(branch.done)
     end = _end(steps, diagnosis)
-    left = None if end is None else end.unexplained
+    story = None if end is None else LearningResult(*end)
+    left = None if story is None else story.unexplained
     return {
         **known,
         "captures": [_capture(one, fitted, view.node.captures) for one in open_ones(session)],
@@ -65,7 +66,9 @@ def document(session: Session) -> pages.Session:
         "together": told.together,
         "rmse": view.rmse,
         "rmse_heldout": view.rmse_heldout,
-        "verdict": _verdict(steps, diagnosis, end).document(),
+        "concluded": [] if story is None else story.headline.document(),
+        "verdict": _verdict(steps, diagnosis, story).document(),
+        "record": None if story is None else story.record,
         "ladder": [
             {
                 "label": "first model" if step.added is None else f"+ {step.added}",
@@ -152,7 +155,9 @@ def _nothing(session: Session) -> pages.Session:
         "together": [],
         "rmse": None,
         "rmse_heldout": None,
+        "concluded": [],
         "verdict": ["Open a capture to begin."],
+        "record": None,
         "ladder": [],
         "candidates": {"ready": False, "rows": [], "unexplained": None, "left_out": {}},
         "warnings": [],
@@ -266,14 +271,17 @@ def _doubt(name: str, estimate: Estimate, plausible: tuple[float, float], view: 
     return out_of_range(estimate, plausible)
 
 
-def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, end: Selection | None) -> Said:
+def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, story: LearningResult | None) -> Said:
+    """Return what is said beside what is concluded."""
     vain = _in_vain(in_vain(steps))
     if diagnosis is None:
         return joined(" ", (vain, "What could be missing is not weighed yet."))
-    summary, beyond = diagnosis.comparison.summary, diagnosis.fit.beyond
-    if end is None:  # what is missing the page says first, of the candidates
-        return joined(" ", (vain, summary, beyond and beyond.sentence))
-    return joined(" ", (vain, LearningResult(*end).headline, summary))
+    compared, beyond = diagnosis.comparison, diagnosis.fit.beyond
+    if story is None:  # what is missing the page says first, of the candidates
+        return joined(" ", (vain, compared.summary, beyond and beyond.sentence))
+    # Where it is worst is said once.
+    told = any(isinstance(part, Stretch) for part in story.headline.parts)
+    return joined(" ", (vain, compared.size if told else compared.summary))
 
 
 def _in_vain(effects: list[str]) -> Said | None:

@@ -105,7 +105,8 @@ function titleOf(effect) {
 }
 function paramOf(name) {
   const [effect, ...own] = name.split(".");
-  return `${meanings[name] || own.join(".")} (${titleOf(effect)})`;
+  const [words3, title] = [meanings[name] || own.join("."), titleOf(effect)];
+  return words3.includes(title) ? words3 : `${words3} (${title})`;
 }
 function named(words3, id) {
   return make("span", { text: words3, title: words3 === id ? null : id });
@@ -132,8 +133,9 @@ function percent(share) {
 function torqueScale({ unit, peak }) {
   return unit === "N m" && peak <= 2 ? { factor: 1e3, unit: "mNm" } : { factor: 1, unit };
 }
+var SHORT = { "N s^2/m": "kg", "N m s^2/rad": "kg m²", 1: "" };
 function unitWords(unit) {
-  return unit === "1" ? "" : unit.replaceAll("^2", "²").replaceAll("^3", "³");
+  return SHORT[unit] ?? unit.replaceAll("^2", "²").replaceAll("^3", "³");
 }
 function torqueWord(unit) {
   const words3 = { N: "force", A: "current", V: "voltage", duty: "duty cycle" };
@@ -555,7 +557,7 @@ var WAYS = {
   command: ""
 };
 function wordsOfPart(part, about2) {
-  if (typeof part === "string") return part;
+  if (typeof part === "string") return part.replaceAll(/(?<=^|[\s(])-(?=\d)/g, "−");
   if ("text" in part) return measured(part, about2);
   if ("low" in part) return stretch(part, about2);
   if ("along" in part) return axisWord(part.along);
@@ -605,7 +607,7 @@ function columnWord(column, about2) {
 
 // src/captures.js
 var FEW2 = 2;
-var SHORT = 5;
+var SHORT2 = 5;
 var PLURAL = { note: "notes", warning: "warnings" };
 function showCaptures(place4, state, { use, close }) {
   const { captures, active } = state;
@@ -645,7 +647,7 @@ function sharedHead(names) {
   let alike = 0;
   while (alike < first.length && others.every((name) => name[alike] === first[alike])) alike++;
   const word = /^.*[-_ .]/.exec(first.slice(0, alike))?.[0].length ?? 0;
-  return alike < first.length && names.every((name) => name.length > word) && word > SHORT ? word : 0;
+  return alike < first.length && names.every((name) => name.length > word) && word > SHORT2 ? word : 0;
 }
 var called = (name, shared) => shared > 0 ? `…${name.slice(shared)}` : name;
 function words({ name, samples, rate_hz, findings }, about2, shared = 0) {
@@ -3850,9 +3852,11 @@ var Next = class {
     const { experiment, node, recording, candidates } = state;
     byId("next-line").hidden = experiment === null && !(candidates.ready && node !== null);
     byId("next-show").textContent = experiment ? "Next experiment…" : "What to record next…";
+    const instead = experiment === null ? insteadOf(state) : "";
+    byId("next-show").hidden = instead !== "";
     if (experiment === null) {
       byId("next").hidden = true;
-      byId("next-said").textContent = "";
+      byId("next-said").textContent = instead;
       return;
     }
     byId("next-said").replaceChildren(...nodes(experiment.verdict ?? experiment.promises, aboutOf(state)));
@@ -4017,6 +4021,11 @@ var Next = class {
     }
   }
 };
+function insteadOf({ candidates, record, untold }) {
+  if (untold.length > 0) return "";
+  if (candidates.rows.some(({ could_be: could }) => could)) return "What to record next: that is known once what is missing is in the model.";
+  return record ? `What to record next, to see what it is: ${record}.` : "";
+}
 function showUntold(place4, { untold }, apart) {
   const rows = untold.map(
     (effects) => make(
@@ -4108,7 +4117,7 @@ var Overlay = class {
     this.looking.abort();
     this.looking = new AbortController();
     const { signal } = this.looking;
-    byId("looked").textContent = what ? `what ${what} would explain` : "";
+    byId("looked").textContent = what ? `what ${titleOf(what)} would explain` : "";
     byId("looked").toggleAttribute("hidden", what === null);
     const state = this.state();
     const node = state?.node;
@@ -4184,7 +4193,7 @@ var Params = class {
     const lines = [...groups].flatMap(([effect, own]) => [
       this.heading(effect, groups.size > 1),
       ...own.flatMap((param) => {
-        const doubt = param.doubt ? sentence(param.doubt, about2) : "";
+        const doubt = param.doubt ? sentence(withoutName(param.doubt, param.name), about2).trim() : "";
         return [this.line(param, doubt), own.length <= WORDED ? meaning(param) : "", reason(doubt)];
       })
     ]);
@@ -4236,6 +4245,9 @@ var Params = class {
 };
 function meaning({ meaning: words3 }) {
   return words3 ? make("tr", {}, make("td", { class: "meaning soft", colspan: 4, text: words3 })) : "";
+}
+function withoutName([first, ...rest], name) {
+  return typeof first === "object" && "param" in first && first.param === name ? rest : [first, ...rest];
 }
 function reason(doubt) {
   if (!doubt) return "";
@@ -4454,22 +4466,22 @@ function themed(changed) {
 }
 
 // src/verdict.js
-function showVerdict(element2, { verdict, candidates, titles: titles2 }, about2, to) {
-  const key2 = JSON.stringify([verdict, candidates, about2, titles2]);
+function showVerdict(element2, { concluded, verdict, candidates, titles: titles2 }, about2, to) {
+  const key2 = JSON.stringify([concluded, verdict, candidates, about2, titles2]);
   if (element2.dataset.told === key2) return;
   element2.dataset.told = key2;
-  const first = plainly(candidates, about2, to);
-  const worst = verdict.find((part) => typeof part === "object" && "low" in part);
+  const worst = [...concluded, ...verdict].find((part) => typeof part === "object" && "low" in part);
   const place4 = (
     /** @type {Stretch | undefined} */
     worst
   );
-  const shown2 = verdict.map((part) => {
+  const shown2 = (part) => {
     const [words3, leads] = [wordsOfPart(part, about2), leadOf(part, place4, candidates, to)];
     return leads ? link({ words: words3, ...leads }) : words3;
-  });
-  const head2 = first.map((part) => typeof part === "string" ? part : link(part));
-  element2.replaceChildren(...head2.length > 0 ? [make("strong", {}, ...head2), " "] : [], ...shown2);
+  };
+  const first = plainly(candidates, about2, to).map((part) => typeof part === "string" ? part : link(part));
+  const head2 = [...first, ...concluded.map(shown2)];
+  element2.replaceChildren(...head2.length > 0 ? [make("strong", {}, ...head2), " "] : [], ...verdict.map(shown2));
 }
 function leadOf(part, place4, { rows }, to) {
   if (typeof part === "string") return null;

@@ -1,0 +1,14 @@
+"""An axis that slides is spoken of as one: mass and force, not inertia and torque of a knob that turns."""
+
+from __future__ import annotations
+
+import knobcam as kc
+
+
+def test_what_is_told_of_an_axis_that_slides_has_no_torque_and_no_moment_of_inertia() -> None:
+    for one in kc.effects("linear").values():
+        told = [one.title, one.name, one.about, one.shows, *one.causes, *one.remedies]
+        told += [param.meaning for param in one.params]
+        assert not [words for words in told if "torque" in words or "moment of inertia" in words], one.id
+    assert kc.effects("linear")["inertia"].parameter("M").meaning == "mass"
+    assert kc.effects("rotary")["inertia"].parameter("M").meaning == "moment of inertia"
