@@ -280,7 +280,7 @@ def test_every_effect_has_a_signature_with_values_within_its_bounds(effect: str)
     used = {name for name, *_ in with_typical(kc.Model(shown), entry).core.rows()}
     assert all(value != 0.0 for name, value in typical(entry).items() if name in used)
     figure = plot.effect(entry)
-    assert effect in writing(figure)
+    assert entry.title in writing(figure).replace("\n", " ")
     drawn = np.concatenate(
         [np.asarray(a.get_ydata()) for axes in figure.axes for a in axes.lines], dtype=float
     )

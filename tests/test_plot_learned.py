@@ -9,12 +9,14 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 import knobcam as kc
 from knobcam import plot
 from knobcam.model.typical import typical
+from knobcam.show.words import param_word, sentence
 
 
 @pytest.fixture(scope="module")
@@ -78,11 +80,21 @@ def test_movements_are_drawn_in_standard_errors_for_every_parameter_of_the_first
 ) -> None:
     (axes,) = plot.movements(story).axes
     names = [label.get_text() for label in axes.get_yticklabels()]
-    assert names == list(story.ladder[0].params)
+    params = list(story.ladder[0].params)
+    assert names == [param_word(one, "rotary") for one in params]
     step = story.ladder[1]
-    drawn = {names[round(row)]: right if right > 0.0 else left for row, left, right in bars(axes)}
+    drawn = {params[round(row)]: right if right > 0.0 else left for row, left, right in bars(axes)}
     for name, move in step.moved.items():
         assert drawn[name] == pytest.approx(move.by_se)
+
+
+def test_no_title_of_a_story_lies_on_a_legend(story: kc.LearningResult) -> None:
+    figure = story.plot()
+    FigureCanvasAgg(figure).draw()
+    for axes in figure.axes:
+        legend, title = axes.get_legend(), axes._left_title  # type: ignore[attr-defined]
+        if legend is not None and title.get_text():
+            assert not legend.get_window_extent().overlaps(title.get_window_extent()), title.get_text()
 
 
 def test_candidates_that_could_be_missing_are_solid_and_those_that_look_alike_are_linked(
@@ -104,7 +116,7 @@ def test_the_story_shows_what_remains_where_it_is_unexplained(
 ) -> None:
     assert "What is left along frequency" in writing(humming.plot())
     assert "Chance explains the rest" in writing(story.plot())
-    assert humming.headline.split(":")[0] in writing(humming.plot()).replace("\n", " ")
+    assert sentence(humming.headline, "rotary").split(":")[0] in writing(humming.plot()).replace("\n", " ")
 
 
 def test_a_hostile_name_is_printed_in_every_picture_of_a_story(

@@ -6,6 +6,7 @@ import base64
 import dataclasses
 import hashlib
 import re
+from html import escape
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from carried import carried
 
 import knobcam as kc
 from knobcam.show import report
+from knobcam.show.words import effect_word, param_word, sentence
 
 HOSTILE = "<script>alert(1)</script>\"'><img src=x onerror=alert(2)> $headline ${else} &amp; knob.csv"
 VOID = {"meta", "img", "br", "link", "input", "hr"}
@@ -71,12 +73,19 @@ def test_a_report_answers_its_questions_in_order(page: str, story: kc.LearningRe
     ]
     places = [text.index(f" {question} ") for question in asked]
     assert places == sorted(places)
-    assert story.headline in text
+    assert sentence(story.headline, "rotary") in text
     for name in story.fit.params:
-        assert name in text
+        assert param_word(name, "rotary") in text
     for one in story.last.candidates:
-        assert one.effect in text
-    assert kc.effects()[story.found[0]].law in text
+        assert effect_word(one.effect, "rotary") in text
+    assert f'data-latex="{escape(kc.effects()[story.found[0]].latex)}"' in page
+
+
+def test_a_report_has_no_ids_where_effects_have_names(page: str) -> None:
+    words = Page(page).text
+    ids = [one.id for one in kc.effects().values() if "_" in one.id]
+    assert not [one for one in ids if one in words]
+    assert not re.search(r"\b(\w+(?: \w+)*) from \1: either", words)
 
 
 def test_a_report_needs_no_network_and_no_other_file(page: str) -> None:

@@ -72,12 +72,25 @@ export function drawAxes(brush, size, { x, y, title, colours, noise, bins, spect
   brush.textAlign = "right";
   brush.textBaseline = "bottom";
   brush.fillText(x.label, right, size.height - 2);
-  brush.textAlign = "left";
-  brush.fillText(y.label, 4, top - 5);
+  const font = brush.font;
   brush.fillStyle = colours.ink;
   brush.font = "600 12px system-ui, 'DejaVu Sans', sans-serif";
-  brush.textAlign = "right";
   brush.fillText(title, right, top - 4);
+  const room = right - brush.measureText(title).width - 16;
+  brush.fillStyle = colours.soft;
+  brush.font = font;
+  brush.textAlign = "left";
+  brush.fillText(labelWithin(y.label, room, (text) => brush.measureText(text).width), 4, top - 5, Math.max(room, 24));
+}
+
+/**
+ * The label of an axis, or where the title leaves no room for it what comes last in it, which is its unit.
+ * @param {string} label
+ * @param {number} room
+ * @param {(text: string) => number} widthOf
+ */
+export function labelWithin(label, room, widthOf) {
+  return widthOf(label) <= room ? label : label.slice(label.indexOf(", ") + 1).trim();
 }
 
 /**

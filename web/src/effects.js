@@ -12,7 +12,7 @@ import { titleOf } from "./names.js";
 const pictures = new Map();
 
 /** @type {Record<string, string>} */
-const PLACES = { load: "torque of the knob", coupling: "joint between shaft and knob", sensor: "torque sensor" };
+const PLACES = { load: "moving part itself", coupling: "joint between shaft and knob", sensor: "sensor" };
 
 /** Let any effect that the model lacks be chosen. */
 export class AnyEffect {
@@ -51,7 +51,7 @@ export class AnyEffect {
  * @param {import("./acting.js").Shown | null} shown
  */
 export function about(effect, shown) {
-  const { effect: id, place, law, source, shows, name, about: sentence, causes, remedies } = effect;
+  const { effect: id, place, source, shows, name, about: sentence, causes, remedies } = effect;
   // The words are there at once; the picture is drawn meanwhile, where room is kept for it.
   const drawing = make("p", { class: "soft", text: "The picture is being drawn …" });
   const frame = make("div", { class: "picture", role: "status" }, drawing);
@@ -62,12 +62,12 @@ export function about(effect, shown) {
     lawOf(effect),
     shown ? acting(effect, shown) : "",
     make("div", { class: "columns-of-two" }, listed("Usual causes", causes), listed("What helps", remedies)),
-    make("p", { class: "soft", text: `Acts on the ${PLACES[place] ?? place}. Shows ${shows}. ${source}` }),
+    make("p", { class: "soft", text: `Acts on the ${PLACES[place] ?? place}. Shows ${shows}. Source: ${source}.` }),
     frame,
   );
   dialog().showModal();
   fitFormulas(byId("about-text"));
-  const alt = `${law}: what it adds to the torque of a small knob; it shows ${shows}`;
+  const alt = `${name}: what it adds to the torque of a small knob; it shows ${shows}`;
   const drawn = () => frame.replaceChildren(make("img", { alt, src: pictures.get(id) }));
   if (pictures.has(id)) return drawn();
   fetchPicture(id).then(

@@ -2,6 +2,7 @@
 
 import { byId } from "./dom.js";
 import { Look } from "./look.js";
+import { lawOf } from "./math.js";
 import { unpacked } from "./packed.js";
 import { times } from "./timing.js";
 
@@ -9,6 +10,9 @@ import { times } from "./timing.js";
 /** @typedef {import("./types.js").Kept} Kept */
 
 async function main() {
+  for (const law of document.querySelectorAll("[data-latex]")) {
+    law.replaceChildren(lawOf({ latex: law.getAttribute("data-latex") ?? "", law: law.textContent ?? "" }));
+  }
   /** @type {Kept} */
   const kept = JSON.parse(byId("look-samples").textContent ?? "");
   const unpack = (/** @type {Packed} */ packed) => unpacked(packed, kept.n);

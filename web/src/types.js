@@ -197,9 +197,9 @@
 /**
  * What a session has; before the first capture there is no node, `proposed` is null until it is asked.
  *
- * Of the effects in each of `untold` one is in the model, not known which. `verdict` begins with what is
- * `concluded`, if anything is; `record` is what to record next to see more of what no effect explains. `peak` is the largest torque,
- * `titles` those of all effects.
+ * Of the effects in each of `untold` one is in the model, not known which. `verdict` is said after what is
+ * `concluded`, if anything is; `record` is what to record next to see more of what no effect explains.
+ * `peak` is the largest torque, `titles` those of all effects.
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, peak: number,
  *   params: Param[], together: Together[], rmse: number | null, rmse_heldout: number | null,

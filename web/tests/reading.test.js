@@ -2,6 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { beyondWords, mostLimits, mostReach } from "../src/outliers.js";
+import { labelWithin } from "../src/axes.js";
 import { ticks, unitWords } from "../src/numbers.js";
 import { known, paramOf } from "../src/names.js";
 import { sentence } from "../src/said.js";
@@ -60,6 +61,13 @@ test("what to record next waits for what is missing, and says in words what show
   assert.equal(state(false, "slow passes"), "What to record next, to see what it is: slow passes.");
   assert.equal(state(false, null), "", "where nothing is missing a motion is designed");
   assert.equal(state(true, null, [["detent", "return_spring"]]), "", "and where effects look alike");
+});
+
+test("the label of an axis gives way to the title of a narrow plot, and keeps its unit", () => {
+  const letters = (/** @type {string} */ text) => text.length;
+  assert.equal(labelWithin("velocity, m/s", 20, letters), "velocity, m/s");
+  assert.equal(labelWithin("velocity, m/s", 9, letters), "m/s");
+  assert.equal(labelWithin("N m", 2, letters), "N m");
 });
 
 test("units and numbers of sentences are written as people write them", () => {

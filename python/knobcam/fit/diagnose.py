@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from .. import _core
 from ..base import pages, showing
 from ..base.door import checked
-from ..base.said import Said, joined
+from ..base.said import OfEffect, Said, joined, said
 from ..base.tables import TextTable, text_table
 from ..errors import InputError
 from ..model.effects import clipping, descriptions, effects
@@ -130,10 +130,11 @@ class Candidate:
         return self.word in COULD_BE
 
     @property
-    def remarks(self) -> str:
+    def remarks(self) -> Said:
         """What else there is to say about it, in one line."""
-        same = f"cannot be told from {', '.join(self.equivalent)}" if self.equivalent else ""
-        return "; ".join(part for part in (self.said, same, *self.implausible, self.note) if part)
+        names = joined(", ", map(OfEffect, self.equivalent))
+        same = said("cannot be told from {names}", names=names) if names else None
+        return joined("; ", (self.said, same, *self.implausible, self.note))
 
     def evidence(self) -> pages.Candidate:
         """Return what speaks for it and against it, as the pages list it."""
@@ -264,7 +265,7 @@ class Diagnosis(showing.Tabled):
         unseen = self.fit.rmse_heldout
         return [
             (
-                one.effect,
+                Said(OfEffect(one.effect)),
                 one.place,
                 percent(-one.error_fall),
                 percent(one.rmse_heldout / unseen - 1.0 if unseen > 0.0 else math.nan),

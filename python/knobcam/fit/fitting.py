@@ -15,6 +15,7 @@ import numpy as np
 from .. import _core
 from ..base import showing
 from ..base.door import checked
+from ..base.said import OfParam, Said
 from ..base.tables import TextTable, text_table
 from ..capture import Capture, load
 from ..capture.prepare import Prepared
@@ -279,9 +280,9 @@ class Fit(showing.Tabled):
 
     def rows(self) -> list[tuple[str, str, str, str]]:
         """The parameters as rows of text, under the words of `HEAD`."""
-        rows = []
+        rows: list[tuple[str, str, str, str]] = []
         for name, e in self.params.items():
-            rows.append((name, f"{e.value:.6g}" if e.determined else "-", e.interval, e.unit))
+            rows.append((Said(OfParam(name)), f"{e.value:.6g}" if e.determined else "-", e.interval, e.unit))
         return rows
 
     @cached_property

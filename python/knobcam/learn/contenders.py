@@ -56,7 +56,7 @@ def untold(story: LearningResult) -> list[tuple[str, str]]:
         weights = step.weights
         likely = [one for one, weight in weights.items() if weight >= _LIKELY]
         for other in dict.fromkeys((*step.equivalent, *likely)):
-            if other not in story.found:
+            if other not in (*story.found, step.added):
                 rows.append((-weights.get(other, 0.0), step.added, other))
     return [(added, other) for _, added, other in sorted(rows)]
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from ..base import showing
 from ..base.door import checked
-from ..base.said import Advice, OfAxis, Said, joined, number, said
+from ..base.said import Advice, OfAxis, OfEffect, Said, joined, number, said
 from ..base.tables import TextTable, text_table
 from ..capture import Capture
 from ..fit import Fit
@@ -284,9 +284,9 @@ class LearningResult(showing.Tabled):
         rows = []
         for step in self.ladder:
             new = step.added is not None
-            name = f"+ {step.added}" if new else "first model"
+            name = said("+ {added}", added=OfEffect(step.added)) if step.added is not None else "first model"
             if step.dropped:
-                name += f" - {' - '.join(step.dropped)}"
+                name = said("{name} - {dropped}", name=name, dropped=_listed(" - ", step.dropped))
             rows.append(
                 (
                     name,
@@ -295,7 +295,7 @@ class LearningResult(showing.Tabled):
                     percent(-step.error_fall) if new else "",
                     p_in_words(step.p_value) if new else "",
                     in_percent(step.weights.get(step.added or "")) if new else "",
-                    ", ".join(step.equivalent),
+                    _listed(", ", step.equivalent),
                 )
             )
         return [*rows, ("sensor noise alone", f"{self.noise_floor:.4g}", "", "", "", "", "")]
@@ -323,6 +323,10 @@ class LearningResult(showing.Tabled):
     def tables(self) -> tuple[TextTable, ...]:
         """What it says of itself, as text."""
         return (TextTable(self.headline, self.head, self.rows()),)
+
+
+def _listed(between: str, effects: Sequence[str]) -> Said:
+    return joined(between, map(OfEffect, effects))
 
 
 @checked

@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from .learning import LearningResult
 
 _ALONG = {
-    "position": "slow passes over the whole way, forth and back, at two or three steady speeds: what stays at "
-    "its place belongs to the position, what grows with the speed does not",
+    "position": "slow passes over the whole way, forth and back, at two or three steady speeds: what stays "
+    "at its place belongs to the position, what grows with the speed does not",
     "velocity": "several steady speeds, from very slow to the fastest, both ways and each for some seconds",
     "acceleration": "the same way at the same speeds, with gentle and with quick reversals: what changes "
     "belongs to the acceleration, as of a mass, an elastic joint or a late log",
@@ -22,13 +22,13 @@ _ALONG = {
     "longer, with a rest before some of the reversals",
     "time": "the same short motion again and again, from cold until nothing changes any more, and for some "
     "seconds standing still with the drive on",
-    "frequency": "some seconds standing still with the drive on, and two steady speeds, logged faster: a line "
-    "that stays is of the electronics, one that moves with the speed is of the mechanism",
+    "frequency": "some seconds standing still with the drive on, and two steady speeds, logged faster: a "
+    "line that stays is of the electronics, one that moves with the speed is of the mechanism",
 }
 """By the axis that the rest lies along: a motion in which what belongs to that axis differs from all else."""
 _SENSORS = (
-    "the same motion with a finer or faster sensor of the position: until its errors are smaller, what is left "
-    "may be theirs"
+    "the same motion with a finer or faster sensor of the position: until its errors are smaller, what is "
+    "left may be theirs"
 )
 _SLOWER = "the same way more slowly, or logged faster, so that its waves pass the torque filter"
 

@@ -26,6 +26,11 @@ def paragraph(text: str, kind: str = "") -> str:
     return f'<p class="{kind}">{escape(text)}</p>' if kind else f"<p>{escape(text)}</p>"
 
 
+def law(latex: str, plain: str) -> str:
+    """Return a law: plain, until the script of the page has typeset it."""
+    return f'<p class="law" data-latex="{escape(latex)}"><code>{escape(plain)}</code></p>'
+
+
 def bullets(items: Iterable[str]) -> str:
     """Return a list of texts."""
     return "<ul>" + "".join(f"<li>{escape(item)}</li>" for item in items) + "</ul>"

@@ -16,10 +16,13 @@ from ..fit.refit import percent
 from ..learn.contenders import untold
 from ..model.effects import effect as catalogued
 from .look_page import section
-from .markup import bullets, figure, paragraph, style, wide_table
+from .markup import bullets, figure, law, paragraph, style, wide_table
 from .samples import steps
+from .words import effect_word, param_word, sentence, unit_word, worded
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
     from ..fit.diagnose import Diagnosis
     from ..learn import LearningResult
     from ..learn.ladder import LearningStep, Unexplained
@@ -39,12 +42,12 @@ def html(learned: LearningResult) -> str:
         title=escape(_title(learned)),
         facts=escape(_facts(learned)),
         verdict=learned.verdict,
-        headline=escape(learned.headline),
+        headline=escape(sentence(learned.headline, learned.model.coordinate)),
         learned=figure(
             learned.plot(), "Error ladder, residual before and after, parameters that moved, the rest."
         ),
         style=style(),
-        params=wide_table("All parameters of the last model", learned.fit.HEAD, learned.fit.rows()),
+        params=_params("All parameters of the last model", learned),
         untold=_untold(learned),
         next=_next(learned),
         look=look.markup,
@@ -67,9 +70,13 @@ def _title(learned: LearningResult) -> str:
 
 def _untold(learned: LearningResult) -> str:
     """What the captures cannot tell: names that explain them as well, values, what nothing explains."""
-    said = [f"{added} from {other}: either explains these captures" for added, other in untold(learned)]
+    kind = learned.model.coordinate
+    said = [
+        f"{effect_word(added, kind)} from {effect_word(other, kind)}: either explains these captures"
+        for added, other in untold(learned)
+    ]
     said += [one.message for one in learned.limitations]
-    said += [f"{name}: {why}" for name, why in learned.fit.undetermined.items()]
+    said += [f"{param_word(name, kind)}: {why}" for name, why in learned.fit.undetermined.items()]
     if learned.unexplained is not None:
         said.append(_unexplained(learned.unexplained))
     return bullets(said) if said else paragraph("Nothing that was asked of them.")
@@ -80,6 +87,8 @@ def _next(learned: LearningResult) -> str:
     if untold(learned):
         said.append("the motion that tells them apart, which `knobcam next` designs for these captures")
     said += dict.fromkeys(one.record for one in learned.limitations)
+    if learned.record is not None:
+        said.append(f"to see more of what no effect explains: {learned.record}")
     return bullets(said) if said else paragraph("Nothing more, for this verdict.")
 
 
@@ -89,7 +98,7 @@ def _facts(learned: LearningResult) -> str:
         masked = int((~capture.mask).sum())
         parts.append(
             f"{capture.samples} samples, {capture.duration_s:.4g} s at {capture.rate_hz:.6g} Hz, "
-            f"{masked} masked, {signals.core.used} count"
+            f"{masked} masked, {signals.core.used} fitted"
         )
     return "; ".join(parts)
 
@@ -97,7 +106,8 @@ def _facts(learned: LearningResult) -> str:
 def _found(learned: LearningResult) -> str:
     """Each effect that came in: its law, its values, its evidence."""
     if not learned.found:
-        tried = " and ".join(step.added for step in learned.ladder if step.added)
+        kind = learned.model.coordinate
+        tried = " and ".join(effect_word(step.added, kind) for step in learned.ladder if step.added)
         why = f"{tried} came in, but cannot be named as the cause" if tried else "no effect was added"
         return paragraph(f"Nothing of the catalogue: {why}.")
     parts = []
@@ -105,29 +115,37 @@ def _found(learned: LearningResult) -> str:
         if step.added not in learned.found:
             continue
         entry = catalogued(step.added, learned.model.coordinate)
-        parts.append(f"<h3>{escape(step.added)}</h3>")
-        parts.append(paragraph(f"{entry.law}. Acts on the {entry.place}; shows {entry.shows}."))
-        parts.append(paragraph(_evidence(step)))
+        parts.append(f"<h3>{escape(entry.title)}</h3>")
+        about = f"{entry.about} Acts on the {entry.place}; shows {entry.shows}."
+        parts.append(paragraph(about) + law(entry.latex, entry.law))
+        parts.append(paragraph(_evidence(step, learned.model.coordinate)))
         parts.append(paragraph(f"Source: {entry.source}.", "soft"))
-        rows = [
-            (name, f"{e.value:.5g}" if e.determined else "-", e.interval, e.unit)
-            for name, e in learned.fit.params.items()
-            if name.split(".", 1)[0] == step.added
-        ]
-        parts.append(
-            wide_table("As fitted in the end", ("parameter", "value", "95 % interval", "unit"), rows)
-        )
+        parts.append(_params("As fitted in the end", learned, step.added))
     return "\n".join(parts)
 
 
-def _evidence(step: LearningStep) -> str:
+def _params(caption: str, learned: LearningResult, effect: str | None = None) -> str:
+    """The parameters of the last model as a table, or of one of its effects."""
+    rows = [
+        (name, value, interval, unit_word(unit))
+        for name, value, interval, unit in learned.fit.rows()
+        if effect in (None, name.partition(".")[0])
+    ]
+    return wide_table(caption, learned.fit.HEAD, _worded(rows, learned.model.coordinate))
+
+
+def _worded(rows: Iterable[Sequence[str]], kind: str) -> list[tuple[str, ...]]:
+    return [tuple(worded(cell, kind) for cell in row) for row in rows]
+
+
+def _evidence(step: LearningStep, kind: str) -> str:
     unit = step.fit.torque_unit
     said = f"With it the RMS error changes by {percent(-step.error_fall)}, to {step.rmse:.4g} {unit}"
     said += f" ({step.rmse_heldout:.4g} {unit} on blocks that the fit did not see)."
     if math.isfinite(step.p_value):
         said += f" Chance alone would do as well in {_chances(step.p_value)}."
     if step.dropped:
-        said += f" It made superfluous: {', '.join(step.dropped)}."
+        said += f" It made superfluous: {', '.join(effect_word(one, kind) for one in step.dropped)}."
     return said
 
 
@@ -141,7 +159,7 @@ def _why(learned: LearningResult) -> str:
         [
             paragraph(f"The first model: {learned.before.summary}"),
             figure(learned.before.plot(), said),
-            wide_table("The error ladder", learned.head, learned.rows()),
+            wide_table("The error ladder", learned.head, _worded(learned.rows(), learned.model.coordinate)),
         ]
     )
 
@@ -152,10 +170,11 @@ def _alternatives(learned: LearningResult) -> str:
     for step in learned.ladder:
         if step.added is None or step.diagnosis is None:
             continue
-        parts.append(f"<h3>Instead of {escape(step.added)}</h3>")
+        kind = learned.model.coordinate
+        parts.append(f"<h3>Instead of {escape(effect_word(step.added, kind))}</h3>")
         if step.equivalent:
             names = [step.added, *step.equivalent]
-            shows = [f"{name} shows {catalogued(name, learned.model.coordinate).shows}" for name in names]
+            shows = [f"{effect_word(name, kind)} shows {catalogued(name, kind).shows}" for name in names]
             parts.append(
                 paragraph("This capture cannot tell them apart. Record a motion in which they differ:")
             )
@@ -166,17 +185,20 @@ def _alternatives(learned: LearningResult) -> str:
     parts.append("<h3>Weighed in the end, and not added</h3>")
     parts.append(_weighed(learned.last))
     if learned.without:
-        parts.append(paragraph(f"Not weighed at all: {', '.join(learned.without)}."))
+        left_out = (effect_word(one, learned.model.coordinate) for one in learned.without)
+        parts.append(paragraph(f"Not weighed at all: {', '.join(left_out)}."))
     return "\n".join(parts)
 
 
 def _weighed(diagnosis: Diagnosis) -> str:
     if not diagnosis.candidates:
         return paragraph("There was nothing to weigh: the catalogue has no other effect.")
-    table = wide_table(
-        "Every absent effect, best first", diagnosis.HEAD, diagnosis.rows(diagnosis.candidates)
+    kind = diagnosis.fit.model.coordinate
+    rows = _worded(diagnosis.rows(diagnosis.candidates), kind)
+    table = wide_table("Every absent effect, best first", diagnosis.HEAD, rows)
+    left_out = bullets(
+        f"{effect_word(one, kind)}, left out: {why}" for one, why in diagnosis.left_out.items()
     )
-    left_out = bullets(f"{one}, left out: {why}" for one, why in diagnosis.left_out.items())
     picture = figure(diagnosis.plot(), "Solid bars: could be missing. Linked: alike in this capture.")
     return picture + table + (left_out if diagnosis.left_out else "")
 

@@ -76,7 +76,7 @@ class Designed:
     promise: Said | None = None
 
     def of_use(self, done: Sequence[str]) -> bool:
-        """Whether it is for a branch that came through these nodes; one not recorded is for its model alone."""
+        """Whether it is for a branch that came this way; one that was not recorded is for its model alone."""
         return self.node in (done if self.capture else done[-1:])
 
     def track(self) -> Any:

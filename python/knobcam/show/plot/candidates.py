@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .style import BLACK, BLUE, GREY, ORANGE, Picture, plain, styled
+from ..words import effect_word
+from .style import BLACK, BLUE, GREY, ORANGE, Picture, legend_below, plain, styled
 from .torques import headline
 
 if TYPE_CHECKING:
@@ -25,7 +26,8 @@ def diagnosis(diagnosis: Diagnosis) -> Picture:
     said = "No effect of the catalogue that is weighed here is missing"
     if best is not None:
         first = "Missing first of all" if best.word == "missing" else "A part of what is missing"
-        said = f"{first}: {plain(' or '.join([best.effect, *best.equivalent]), 200)}"
+        names = [effect_word(one, diagnosis.fit.model.coordinate) for one in (best.effect, *best.equivalent)]
+        said = f"{first}: {plain(' or '.join(names), 200)}"
     rows = max(len(diagnosis.candidates), 1)
     figure = Picture(9.0, 1.9 + 0.32 * rows, f"{said}\n{headline(diagnosis.fit)}")
     draw_candidates(figure.add_subplot(), diagnosis)
@@ -80,23 +82,20 @@ def draw_candidates(axes: Axes, diagnosis: Diagnosis) -> None:
             va="top",
             color=GREY,
         )
-    axes.set_yticks(range(len(candidates)), [plain(one.effect, 30) for one in candidates])
+    names = [plain(effect_word(one.effect, fit.model.coordinate), 30) for one in candidates]
+    axes.set_yticks(range(len(candidates)), names)
     axes.set_ylim(max(len(candidates), 1) - 0.4, -0.6)
     axes.axvline(0.0, color=BLACK, lw=0.8)
     axes.grid(visible=False, axis="y")
     axes.tick_params(axis="y", length=0)
     axes.set_xlabel("the RMS error falls by (%)")
-    title = "What was weighed; solid: could be missing"
-    lines = -(-len(axes.get_legend_handles_labels()[1]) // _COLUMNS)
-    # The legend stands between the title and the axes: beside the title there is no room for it.
-    axes.set_title(
-        title if found else "No effect that could be missing", fontweight="bold", pad=6.0 + 13.0 * lines
-    )
-    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1, ncols=_COLUMNS)
+    title = "What was weighed; solid: could be missing" if found else "No effect that could be missing"
+    legend_below(axes, title, _COLUMNS)
 
 
 def _words(one: Candidate) -> str:
-    said = "p < 0.001" if one.p_value < 0.001 else f"p = {one.p_value:.2g}"
+    # It was tried on so many draws: no chance that is less than one of them can be told.
+    said = "p ≤ 0.001" if one.p_value <= 0.001 else f"p = {one.p_value:.2g}"
     if one.implausible:
         said += "   implausible"
     return said

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..words import unit_word
 from .style import (
     BACKWARD,
     BAND,
@@ -142,7 +143,7 @@ def line_spectrum(axes: Axes, split: Split, scale: Scale) -> None:
 
 def head_of(split: Split, scale: Scale) -> str:
     """Return the name of an axis with its unit."""
-    unit = scale.unit if split.axis == "load" else split.unit.replace("^2", "²")
+    unit = scale.unit if split.axis == "load" else unit_word(split.unit)
     return f"{_WORDS.get(split.axis, split.axis)} ({unit})"
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from ...fit.diagnose import p_in_words
 from ...fit.doubts import at_floor
+from ..words import effect_word, sentence
 from .style import (
     BLACK,
     BLUE,
@@ -47,7 +47,7 @@ def title(learned: LearningResult) -> str:
     """Return the verdict and the capture, for the top of a picture."""
     first = learned.captures[0]
     more = f" and {len(learned.captures) - 1} more" if len(learned.captures) > 1 else ""
-    return f"{plain(learned.headline, 400)}\n{source_of(first)}{more}"
+    return f"{plain(sentence(learned.headline, learned.model.coordinate), 400)}\n{source_of(first)}{more}"
 
 
 def draw_ladder(axes: Axes, learned: LearningResult) -> None:
@@ -55,10 +55,10 @@ def draw_ladder(axes: Axes, learned: LearningResult) -> None:
     steps = learned.ladder
     longest = max(step.rmse for step in steps)
     scale = torque_scale(learned.model.torque_unit, longest)
-    names = ["first model", *(f"+ {plain(step.added, 30)}" for step in steps[1:]), "what is left"]
+    names = ["first model", *(f"+ {_word(step.added, learned)}" for step in steps[1:]), "what is left"]
     for row, step in enumerate(steps):
         if row:
-            _step(axes, row, steps[row - 1], step, scale)
+            _step(axes, row, learned, scale)
         else:
             axes.barh(0, step.rmse * scale.factor, height=0.6, color=GREY, lw=0)
             right = scale.factor * max(step.rmse_ci95[1], step.rmse_heldout)
@@ -78,17 +78,22 @@ def draw_ladder(axes: Axes, learned: LearningResult) -> None:
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1, ncols=2)
 
 
-def _step(axes: Axes, row: int, above: LearningStep, step: LearningStep, scale: Scale) -> None:
+def _word(effect: str | None, learned: LearningResult) -> str:
+    return plain(effect_word(effect or "", learned.model.coordinate), 30)
+
+
+def _step(axes: Axes, row: int, learned: LearningResult, scale: Scale) -> None:
     """Draw what an effect took off (or, after a backward test, gave back), hung on the step above."""
+    above, step = learned.ladder[row - 1 : row + 1]
     low, high = sorted((above.rmse * scale.factor, step.rmse * scale.factor))
     fell = step.rmse <= above.rmse
     axes.barh(row, high - low, left=low, height=0.6, color=GREEN if fell else WRONG, lw=0)
     axes.plot([above.rmse * scale.factor] * 2, [row - 0.7, row + 0.3], color=GREY, lw=0.8)
     said = f"{number(-100.0 * step.error_fall)} %"
     if math.isfinite(step.p_value):
-        said += f"   p {p_in_words(step.p_value)}" if step.p_value < 0.001 else f"   p = {step.p_value:.3f}"
+        said += "   p ≤ 0.001" if step.p_value <= 0.001 else f"   p = {step.p_value:.3f}"
     if step.equivalent:
-        others = [plain(name, 30) for name in step.equivalent]
+        others = [_word(name, learned) for name in step.equivalent]
         said += f"\nor {', '.join(others[:_NAMED])}" + (
             f" and {len(others) - _NAMED} more" if others[_NAMED:] else ""
         )

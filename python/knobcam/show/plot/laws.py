@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...model.effects import base_effects_shown, effects
+from ..words import unit_word
 from .components import curve, effects_of
 from .style import (
     BLACK,
@@ -200,5 +201,5 @@ def _both_sides(fastest: float) -> FloatArray:
 def _title(model: Model) -> str:
     drawn = {*effects_of(model, "velocity"), *effects_of(model, "position")}
     rest = [p for name, p in model.params.items() if name.split(".")[0] not in drawn]
-    more = ", ".join(f"{p.name} = {number(p.value)} {p.unit}" for p in rest).replace("^2", "²")
+    more = ", ".join(f"{p.name} = {number(p.value)} {unit_word(p.unit)}".rstrip() for p in rest)
     return plain(model.name or "Model") + (f"\nbeside what is drawn: {plain(more, 200)}" if more else "")

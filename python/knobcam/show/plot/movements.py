@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from ..words import effect_word, param_word
 from .ladder import title
-from .style import BAND, BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILLION, Picture, plain, styled
+from .style import BAND, BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILLION, Picture, legend_below, plain, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from ...learn import LearningResult
 
 _COLORS = (BLUE, ORANGE, GREEN, PURPLE, VERMILLION)
+_COLUMNS = 3  # of the legend
 _USUAL = 2.0  # standard errors: within that nothing happened
 
 
@@ -28,7 +30,7 @@ def movements(learned: LearningResult) -> Picture:
 
 def draw_movements(axes: Axes, learned: LearningResult) -> None:
     """Draw a bar for each parameter and effect; linear up to 2 standard errors, then by decades."""
-    names = list(learned.ladder[0].params)
+    names, kind = list(learned.ladder[0].params), learned.model.coordinate
     came = [step for step in learned.ladder if step.added is not None]
     width = 0.72 / max(len(came), 1)
     reach = 10.0
@@ -37,7 +39,8 @@ def draw_movements(axes: Axes, learned: LearningResult) -> None:
         rows = [names.index(name) + (i - 0.5 * (len(came) - 1)) * width for name in moves]
         moved = [move.by_se for move in moves.values()]
         color = _COLORS[i % len(_COLORS)]
-        axes.barh(rows, moved, height=0.9 * width, color=color, lw=0, label=f"with {plain(step.added, 30)}")
+        label = f"+ {plain(effect_word(step.added or '', kind), 30)}"
+        axes.barh(rows, moved, height=0.9 * width, color=color, lw=0, label=label)
         for row, move in zip(rows, moves.values(), strict=True):
             _say(axes, row, move.by_se, move.by_percent)
         reach = max([reach, *map(abs, moved)])
@@ -51,14 +54,12 @@ def draw_movements(axes: Axes, learned: LearningResult) -> None:
     axes.set_xticks([*(-tick for tick in ticks[::-1]), -2.0, 0.0, 2.0, *ticks], minor=False)
     axes.set_xticks([], minor=True)
     axes.xaxis.set_major_formatter(lambda value, _: f"{value:+g}".replace("-", "−") if value else "0")
-    axes.set_yticks(range(len(names)), names)
+    axes.set_yticks(range(len(names)), [plain(param_word(name, kind)) for name in names])
     axes.set_ylim(len(names) - 0.4, -0.6)
     axes.grid(visible=False, axis="y")
     axes.tick_params(axis="y", length=0)
     axes.set_xlabel("moved by (standard errors)")
-    axes.set_title("Parameters that moved", fontweight="bold")
-    if came:
-        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1, ncols=min(len(came), 3))
+    legend_below(axes, "Parameters that moved", _COLUMNS)
 
 
 def _say(axes: Axes, row: float, step: float, percent: float) -> None:

@@ -10,6 +10,7 @@ from matplotlib.lines import Line2D
 from ...capture.motions import MotionTrack
 from ...model.simulate import simulate
 from ...model.typical import CARRIER, of_values, pictured, with_typical
+from ..words import effect_word, unit_word
 from .laws import friction
 from .style import (
     BACKWARD,
@@ -22,6 +23,7 @@ from .style import (
     Scale,
     legend_above,
     motion_units,
+    number,
     plain,
     styled,
     torque_scale,
@@ -132,13 +134,15 @@ def _standing(effect: Effect, model: Model) -> Picture:
 
 
 def _title(effect: Effect, values: dict[str, float]) -> str:
-    short = ", ".join(f"{name.split('.', 1)[1]} = {value:g}" for name, value in values.items())
-    lines = [f"{effect.id}: {effect.law}", f"shows {effect.shows}"]
+    units = {f"{effect.id}.{one.name}": unit_word(one.unit) for one in effect.params}
+    given = [(name.split(".", 1)[1], value, units.get(name, "")) for name, value in values.items()]
+    short = ", ".join(f"{own} = {number(value)} {unit}".rstrip() for own, value, unit in given)
+    lines = [f"{effect.title}: {effect.name}", f"shows {effect.shows}"]
     if effect.confused:
-        lines.append(f"easily confused with {', '.join(effect.confused)}")
-    return "\n".join(plain(line, 200) for line in lines) + (
-        f"\nhere with {plain(short, 200)}" if short else ""
-    )
+        confused = (effect_word(one, "rotary") for one in effect.confused)
+        lines.append(f"easily confused with {', '.join(confused)}")
+    here = f"here on a small knob, with {short}" if short else "here on a small knob"
+    return "\n".join(plain(line, 200) for line in (*lines, here))
 
 
 def _over_time(axes: Axes, added: _Added, scale: Scale) -> None:

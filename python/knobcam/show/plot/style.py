@@ -211,6 +211,15 @@ def legend_above(axes: Axes) -> None:
             handle.set(alpha=1.0, markersize=7.0)  # the dots of a cloud are too small to name a colour
 
 
+def legend_below(axes: Axes, title: str, columns: int) -> None:
+    """Put the legend between the axes and their title, where there is no room beside that."""
+    handles, labels = axes.get_legend_handles_labels()
+    lines = -(-len(labels) // columns)
+    axes.set_title(title, fontweight="bold", pad=8.0 + 13.0 * lines)
+    if handles:
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1, ncols=columns)
+
+
 def shade(axes: Axes, runs: Sequence[tuple[float, float]], label: str) -> None:
     """Shade stretches (start, length) over the whole height; short ones stay visible by their edge."""
     axes.broken_barh(

@@ -287,12 +287,18 @@ function drawAxes(brush, size, { x, y, title, colours, noise, bins, spectrum }) 
   brush.textAlign = "right";
   brush.textBaseline = "bottom";
   brush.fillText(x.label, right, size.height - 2);
-  brush.textAlign = "left";
-  brush.fillText(y.label, 4, top - 5);
+  const font = brush.font;
   brush.fillStyle = colours.ink;
   brush.font = "600 12px system-ui, 'DejaVu Sans', sans-serif";
-  brush.textAlign = "right";
   brush.fillText(title, right, top - 4);
+  const room = right - brush.measureText(title).width - 16;
+  brush.fillStyle = colours.soft;
+  brush.font = font;
+  brush.textAlign = "left";
+  brush.fillText(labelWithin(y.label, room, (text) => brush.measureText(text).width), 4, top - 5, Math.max(room, 24));
+}
+function labelWithin(label, room, widthOf) {
+  return widthOf(label) <= room ? label : label.slice(label.indexOf(", ") + 1).trim();
 }
 function ticksOf({ low, high, factor, log }, count) {
   if (!log) return ticks(low * factor, high * factor, count).map((value) => [value / factor, number(value, 6)]);
@@ -1288,7 +1294,7 @@ function acting(effect, { data, at, added }) {
 
 // src/effects.js
 var pictures = /* @__PURE__ */ new Map();
-var PLACES = { load: "torque of the knob", coupling: "joint between shaft and knob", sensor: "torque sensor" };
+var PLACES = { load: "moving part itself", coupling: "joint between shaft and knob", sensor: "sensor" };
 var AnyEffect = class {
   /** @param {(effect: string) => void} add @param {(effect: Effect) => void} tell what it is */
   constructor(add, tell) {
@@ -1317,7 +1323,7 @@ var AnyEffect = class {
   }
 };
 function about(effect, shown2) {
-  const { effect: id, place: place4, law, source, shows, name, about: sentence2, causes, remedies } = effect;
+  const { effect: id, place: place4, source, shows, name, about: sentence2, causes, remedies } = effect;
   const drawing = make("p", { class: "soft", text: "The picture is being drawn …" });
   const frame = make("div", { class: "picture", role: "status" }, drawing);
   byId("about-title").textContent = `${titleOf(id)}: ${name}`;
@@ -1327,12 +1333,12 @@ function about(effect, shown2) {
     lawOf(effect),
     shown2 ? acting(effect, shown2) : "",
     make("div", { class: "columns-of-two" }, listed2("Usual causes", causes), listed2("What helps", remedies)),
-    make("p", { class: "soft", text: `Acts on the ${PLACES[place4] ?? place4}. Shows ${shows}. ${source}` }),
+    make("p", { class: "soft", text: `Acts on the ${PLACES[place4] ?? place4}. Shows ${shows}. Source: ${source}.` }),
     frame
   );
   dialog().showModal();
   fitFormulas(byId("about-text"));
-  const alt = `${law}: what it adds to the torque of a small knob; it shows ${shows}`;
+  const alt = `${name}: what it adds to the torque of a small knob; it shows ${shows}`;
   const drawn = () => frame.replaceChildren(make("img", { alt, src: pictures.get(id) }));
   if (pictures.has(id)) return drawn();
   fetchPicture(id).then(

@@ -1,0 +1,46 @@
+"""What effects, parameters and units are called in pictures and reports: as on the page, never by ids."""
+
+from __future__ import annotations
+
+from ..base.said import OfEffect, OfParam, Said
+from ..model.effects import titles
+
+_SHORT = {"N s^2/m": "kg", "N m s^2/rad": "kg m²", "1": ""}
+"""Units with a shorter name; the radian is left out, as everybody does."""
+
+
+def effect_word(effect: str, coordinate: str) -> str:
+    """Return an effect in two or three words; one that is nowhere catalogued by its id."""
+    return titles(coordinate).get(effect, effect)
+
+
+def param_word(name: str, coordinate: str) -> str:
+    """Return a parameter by its effect's words and its own letters."""
+    effect, _, own = name.partition(".")
+    return f"{effect_word(effect, coordinate)}: {own}"
+
+
+def unit_word(unit: str) -> str:
+    """Return a unit as a person writes it; nothing for what has none."""
+    return _SHORT.get(unit, unit.replace("^2", "²").replace("^3", "³"))
+
+
+def worded(said: str, coordinate: str) -> str:
+    """Return text with effects and parameters in words, where it is a sentence that knows them."""
+    if not isinstance(said, Said):
+        return said
+    told = []
+    for part in said.parts:
+        if isinstance(part, OfEffect):
+            told.append(effect_word(part.effect, coordinate))
+        elif isinstance(part, OfParam):
+            told.append(param_word(part.param, coordinate))
+        else:
+            told.append(str(part))
+    return "".join(told)
+
+
+def sentence(said: Said, coordinate: str) -> str:
+    """Return the same as a sentence of its own."""
+    words = worded(said, coordinate)
+    return words[:1].upper() + words[1:]
