@@ -30,10 +30,10 @@ export function showCaptures(place, state, { use, close }) {
     place.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only, about)));
     return;
   }
-  const shared = sharedHead(captures.map(({ name }) => name));
+  const short = shortNames(captures.map(({ name }) => name));
   const toggled = (/** @type {string} */ id) =>
     active.includes(id) ? active.filter((one) => one !== id) : [...active, id];
-  const buttons = captures.map((capture) => {
+  const buttons = captures.map((capture, at) => {
     const alone = active.length === 1 && active[0] === capture.id; // without it there would be nothing to fit to
     const chosen = make(
       "button",
@@ -43,7 +43,7 @@ export function showCaptures(place, state, { use, close }) {
         disabled: alone,
         on: { click: () => use(toggled(capture.id)) },
       },
-      ...words(capture, about, shared),
+      ...words(capture, about, short[at]),
     );
     const away = make("button", {
       ...{ type: "button", class: "away", text: "×", "aria-label": `close ${capture.name}`, disabled: alone },
@@ -58,7 +58,7 @@ export function showCaptures(place, state, { use, close }) {
  * How many letters names begin alike with, whole words of them: dates, mostly, which would be all that is seen of each.
  * @param {string[]} names
  */
-export function sharedHead(names) {
+function sharedHead(names) {
   const [first = "", ...others] = names;
   let alike = 0;
   while (alike < first.length && others.every((name) => name[alike] === first[alike])) alike++;
@@ -66,15 +66,24 @@ export function sharedHead(names) {
   return alike < first.length && names.every((name) => name.length > word) && word > SHORT ? word : 0;
 }
 
-/** A name without what others begin with too. @param {string} name @param {number} shared letters of it */
-const called = (name, shared) => (shared > 0 ? `…${name.slice(shared)}` : name);
+/**
+ * Names without what all of them begin with, and then without the kind of file that all of them are.
+ * @param {string[]} names
+ */
+export function shortNames(names) {
+  const shared = sharedHead(names);
+  if (shared === 0) return names;
+  const kind = /\.\w+$/.exec(names[0])?.[0] ?? "";
+  const alike = names.every((name) => name.endsWith(kind) && name.length > shared + kind.length);
+  return names.map((name) => `…${name.slice(shared, alike ? name.length - kind.length : name.length)}`);
+}
 
-/** @param {CaptureInfo} capture @param {About} about @param {number} [shared] letters that others begin with too */
-function words({ name, samples, rate_hz, findings }, about, shared = 0) {
+/** @param {CaptureInfo} capture @param {About} about @param {string} [short] its name beside others */
+function words({ name, samples, rate_hz, findings }, about, short = name) {
   const facts = ` ${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
   const doubtful = findings.filter((one) => !isNote(one));
   const doubt = make("span", { class: "doubt", text: "⚠ ", title: doubtful.map((one) => textOf(one, about)).join("\n") });
-  return [...(doubtful.length > 0 ? [doubt] : []), make("strong", { text: called(name, shared) }), facts];
+  return [...(doubtful.length > 0 ? [doubt] : []), make("strong", { text: short }), facts];
 }
 
 /** Whether a finding changes nothing, and no person changed that. @param {Finding} finding */
@@ -102,13 +111,13 @@ export function showFindings(place, { captures, active, limitations, notes, job 
   const focused = document.activeElement?.getAttribute("data-finding");
   const fitted = captures.filter(({ id }) => active.includes(id));
   const every = alikeInAll(fitted);
-  const shared = sharedHead(fitted.map(({ name }) => name));
+  const short = new Map(shortNames(fitted.map(({ name }) => name)).map((name, at) => [fitted[at].id, name]));
   const [several, all] = [fitted.length > 1, { id: "", name: "all: ", job }];
   const apart = fitted.map((one) => ({ ...one, findings: one.findings.filter((found) => !isNote(found) || !every.has(keyOf(found))) }));
   const told = [...apart.flatMap(({ findings }) => findings), ...every.values()];
-  const found = apart.flatMap(({ id, name, findings }) => {
+  const found = apart.flatMap(({ id, findings }) => {
     const own = [...findings.filter((one) => !isNote(one)), ...findings.filter(isNote)];
-    return own.map((one) => finding(one, { id, name: several ? `${called(name, shared)}: ` : "", job }, about, deeds));
+    return own.map((one) => finding(one, { id, name: several ? `${short.get(id)}: ` : "", job }, about, deeds));
   });
   found.push(...[...every.values()].map((one) => finding(one, all, about, deeds)));
   const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));

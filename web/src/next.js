@@ -16,7 +16,7 @@ import { timed } from "./timing.js";
 /** @typedef {import("./types.js").State} State */
 /** @typedef {Record<string, Float32Array>} Columns */
 
-const COLOURS = ["--modelled", "--wrong", "--signature", "--beside"];
+const COLOURS = ["--modelled", "--wrong", "--signature", "--beside", "--chosen", "--ink", "--band", "--measured"];
 const MOTION = ["t", "theta", "omega"];
 
 export class Next {

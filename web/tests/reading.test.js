@@ -95,13 +95,13 @@ test("a torque's axis is that of all but a few samples that would have half of i
 
 test("captures whose names begin alike are told apart by how they end", async () => {
   globalThis.location = /** @type {any} */ ({ search: "" });
-  const { sharedHead } = await import("../src/captures.js");
+  const { shortNames } = await import("../src/captures.js");
   const servo = ["2026-01-15_10h28m10.json", "2026-01-15_10h28m17.json", "2026-01-15_10h29m04.json"];
-  assert.deepEqual(servo.map((name) => name.slice(sharedHead(servo))), ["10h28m10.json", "10h28m17.json", "10h29m04.json"]);
-  assert.equal(sharedHead(["a.npz", "b.npz"]), 0);
-  assert.equal(sharedHead(["knob 3.npz", "knob 3.npz"]), 0, "names that are the same stay");
-  assert.equal(sharedHead(["alone_in_it.npz"]), 0);
-  assert.equal(sharedHead([]), 0);
+  assert.deepEqual(shortNames(servo), ["…10h28m10", "…10h28m17", "…10h29m04"]);
+  const kinds = ["2026-01-15_10h28m10.json", "2026-01-15_10h28m10.csv", "2026-01-15_10h29m04.json"];
+  assert.deepEqual(shortNames(kinds), ["…10h28m10.json", "…10h28m10.csv", "…10h29m04.json"], "of which kind, where that tells");
+  for (const names of [["a.npz", "b.npz"], ["alone_in_it.npz"], []]) assert.deepEqual(shortNames(names), names);
+  assert.deepEqual(shortNames(["knob 3.npz", "knob 3.npz"]), ["knob 3.npz", "knob 3.npz"], "names that are the same stay");
 });
 
 test("a note that is the same of all captures is said once", async () => {

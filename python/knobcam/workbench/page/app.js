@@ -96,8 +96,8 @@ function shown(element2) {
 // src/names.js
 var titles = {};
 var meanings = {};
-function known({ titles: called2, params = [] }) {
-  titles = called2;
+function known({ titles: called, params = [] }) {
+  titles = called;
   meanings = Object.fromEntries(params.map(({ name, meaning: meaning2 }) => [name, meaning2]));
 }
 function titleOf(effect) {
@@ -626,9 +626,9 @@ function showCaptures(place4, state, { use, close }) {
     place4.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only, about2)));
     return;
   }
-  const shared = sharedHead(captures.map(({ name }) => name));
+  const short2 = shortNames(captures.map(({ name }) => name));
   const toggled = (id) => active.includes(id) ? active.filter((one) => one !== id) : [...active, id];
-  const buttons = captures.map((capture) => {
+  const buttons = captures.map((capture, at) => {
     const alone = active.length === 1 && active[0] === capture.id;
     const chosen = make(
       "button",
@@ -638,7 +638,7 @@ function showCaptures(place4, state, { use, close }) {
         disabled: alone,
         on: { click: () => use(toggled(capture.id)) }
       },
-      ...words(capture, about2, shared)
+      ...words(capture, about2, short2[at])
     );
     const away = make("button", {
       ...{ type: "button", class: "away", text: "×", "aria-label": `close ${capture.name}`, disabled: alone },
@@ -655,12 +655,18 @@ function sharedHead(names) {
   const word = /^.*[-_ .]/.exec(first.slice(0, alike))?.[0].length ?? 0;
   return alike < first.length && names.every((name) => name.length > word) && word > SHORT2 ? word : 0;
 }
-var called = (name, shared) => shared > 0 ? `…${name.slice(shared)}` : name;
-function words({ name, samples, rate_hz, findings }, about2, shared = 0) {
+function shortNames(names) {
+  const shared = sharedHead(names);
+  if (shared === 0) return names;
+  const kind = /\.\w+$/.exec(names[0])?.[0] ?? "";
+  const alike = names.every((name) => name.endsWith(kind) && name.length > shared + kind.length);
+  return names.map((name) => `…${name.slice(shared, alike ? name.length - kind.length : name.length)}`);
+}
+function words({ name, samples, rate_hz, findings }, about2, short2 = name) {
   const facts = ` ${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
   const doubtful = findings.filter((one) => !isNote(one));
   const doubt = make("span", { class: "doubt", text: "⚠ ", title: doubtful.map((one) => textOf(one, about2)).join("\n") });
-  return [...doubtful.length > 0 ? [doubt] : [], make("strong", { text: called(name, shared) }), facts];
+  return [...doubtful.length > 0 ? [doubt] : [], make("strong", { text: short2 }), facts];
 }
 var isNote = ({ severity, overruled }) => severity === "note" && !overruled;
 function textOf({ severity, said, advice }, about2) {
@@ -674,13 +680,13 @@ function showFindings(place4, { captures, active, limitations, notes, job }, abo
   const focused = document.activeElement?.getAttribute("data-finding");
   const fitted = captures.filter(({ id }) => active.includes(id));
   const every = alikeInAll(fitted);
-  const shared = sharedHead(fitted.map(({ name }) => name));
+  const short2 = new Map(shortNames(fitted.map(({ name }) => name)).map((name, at) => [fitted[at].id, name]));
   const [several, all] = [fitted.length > 1, { id: "", name: "all: ", job }];
   const apart = fitted.map((one) => ({ ...one, findings: one.findings.filter((found3) => !isNote(found3) || !every.has(keyOf(found3))) }));
   const told = [...apart.flatMap(({ findings }) => findings), ...every.values()];
-  const found2 = apart.flatMap(({ id, name, findings }) => {
+  const found2 = apart.flatMap(({ id, findings }) => {
     const own2 = [...findings.filter((one) => !isNote(one)), ...findings.filter(isNote)];
-    return own2.map((one) => finding(one, { id, name: several ? `${called(name, shared)}: ` : "", job }, about2, deeds));
+    return own2.map((one) => finding(one, { id, name: several ? `${short2.get(id)}: ` : "", job }, about2, deeds));
   });
   found2.push(...[...every.values()].map((one) => finding(one, all, about2, deeds)));
   const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
@@ -3757,7 +3763,7 @@ function dot(brush, x, y, size, colour) {
 }
 
 // src/next.js
-var COLOURS = ["--modelled", "--wrong", "--signature", "--beside"];
+var COLOURS = ["--modelled", "--wrong", "--signature", "--beside", "--chosen", "--ink", "--band", "--measured"];
 var MOTION2 = ["t", "theta", "omega"];
 var Next = class {
   /**
