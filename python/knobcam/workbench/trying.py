@@ -36,14 +36,18 @@ def tried(session: Session, design: Designed, capture: Capture, name: str, tell:
     Where it is not told who was, or the branch has moved on, the model keeps its effects. `origin` as of
     `Session.take`. Raises InputError for one that cannot be fitted.
     """
-    there = [session.captures[one].capture for one in session.captures_of(design)]
-    told = designed.came(design, [*there, capture], name, session.start.options, tell)
-    if told.right is not None and session.node.id == design.node:
-        right, now = told.models[told.right].effects, session.node.fit.model.effects
-        for effect in [one for one in now if one not in right]:
-            session.drop(effect, tell)
-        for effect in [one for one in right if one not in now]:
-            session.add(effect, tell)
-    taken = session.take(capture, name, None, tell, onward=True, **origin)
-    session.keep(told)
-    return taken
+    before = [session.captures[one].capture for one in session.captures_of(design)]
+    told = designed.came(design, [*before, capture], name, session.start.options, tell)
+    there = session.node
+    session.keep(told)  # first: of one that was recorded is told while the model changes, too
+    try:
+        if told.right is not None and there.id == design.node:
+            right, now = told.models[told.right].effects, there.fit.model.effects
+            for effect in [one for one in now if one not in right]:
+                session.drop(effect, tell)
+            for effect in [one for one in right if one not in now]:
+                session.add(effect, tell)
+        return session.take(capture, name, None, tell, onward=True, **origin)
+    except BaseException:
+        session.keep(design)
+        raise
