@@ -137,19 +137,6 @@ def test_a_process_that_learns_says_nothing_but_its_document(
     assert ended.document == document
 
 
-def test_demo_hides_the_effect_that_is_asked_for(tmp_path: Path) -> None:
-    folder = tmp_path / "demo"
-    document = knobcam(
-        "demo", "--knob", "4", "--effect", "position_polynomial", "-o", folder, "--json"
-    ).document
-    assert document["hidden"] == ["position_polynomial"]
-    assert document["verdict"] == "missing"
-    assert "position_polynomial" in (*document["found"], *document["ladder"][-1]["equivalent"])
-    assert Path(document["files"]["report"]).is_file()
-    assert kc.load(document["files"]["capture"]).samples == kc.load(document["files"]["log"]).samples
-    assert document["rendered"]["rmse"] == pytest.approx(document["noise_floor"], rel=0.05)
-
-
 def test_learn_that_is_interrupted_prints_what_it_knew_and_ends_with_130(
     recorded: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
