@@ -20,6 +20,7 @@ python3 dev.py lock [--upgrade]   bring the requirements-*.lock files to pyproje
 from __future__ import annotations
 
 import base64
+import contextlib
 import hashlib
 import json
 import os
@@ -50,7 +51,6 @@ LOCKS = {  # what each lock file pins, of pyproject.toml
 }
 PROCESSORS = ("x86_64", "aarch64")  # computers that rigs hang on: PCs, Raspberry Pi, Jetson
 OLDEST = "manylinux_2_17"  # glibc 2.17, of 2012: what the Rust library itself asks for
-LEFT = ("chrt", "--idle", "0") if shutil.which("chrt") else ()  # only while nobody else wants the processor
 
 
 def run(*command: str | Path, silent: bool = False) -> str:
@@ -148,6 +148,13 @@ def demo(options: list[str]) -> None:
     run(BIN / "knobcam", "demo", *options)
 
 
+def step_back() -> None:
+    """Take of the processors only what all others leave."""
+    os.nice(19)
+    with contextlib.suppress(AttributeError, OSError):  # a way of Linux, where one may
+        os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
+
+
 def test(options: list[str]) -> None:
     """Rust first: it is the foundation. Its tests run without the bindings, which need a Python to link.
 
@@ -159,7 +166,8 @@ def test(options: list[str]) -> None:
         run(*rust)
         run(PYTHON, "-m", "pytest", *options)
         return
-    with subprocess.Popen([*LEFT, *rust, "--no-run", "--quiet"], cwd=ROOT) as compiling:
+    behind = step_back if os.name == "posix" else None
+    with subprocess.Popen([*rust, "--no-run", "--quiet"], cwd=ROOT, preexec_fn=behind) as compiling:
         run(PYTHON, "-m", "pytest", "-m", "alone")
     if compiling.returncode:
         sys.exit(compiling.returncode)
