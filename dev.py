@@ -132,10 +132,11 @@ def library(
     folder: Path, profile: str, sources: Path = ROOT, target: str = "", builder: str = "build"
 ) -> None:
     """The render step for programs in C and for simulators, which `knobcam convert` hands out."""
-    what = ["--manifest-path", sources / "Cargo.toml", "--package", "knobstep"]
+    what: list[str | Path] = ["--manifest-path", sources / "Cargo.toml", "--package", "knobstep"]
     what += ["--target", target] if target else []
     run("cargo", builder, "--profile", profile, "--locked", *what)
-    built = Path(os.environ.get("CARGO_TARGET_DIR", sources / "target")) / target.partition(".")[0] / profile
+    built = Path(os.environ.get("CARGO_TARGET_DIR", sources / "target")) / target.partition(".")[0]
+    built /= "debug" if profile == "dev" else profile  # its folder has the older name
     folder.mkdir(exist_ok=True)
     for name in LIBRARIES:
         if (built / name).is_file():
@@ -230,13 +231,14 @@ def wheel(options: list[str]) -> None:
     needs_cargo()
     install("requirements-wheel.lock")
     quick = "--quick" in options
-    dist, profile = (ROOT / "target" / "quick", "hurried") if quick else (ROOT / "dist", "release")
+    dist, profile = (ROOT / "target" / "quick", "dev") if quick else (ROOT / "dist", "release")
     shutil.rmtree(dist, ignore_errors=True)
     run(BIN / "maturin", "sdist", "--out", dist)
     archive = next(dist.glob("*.tar.gz"))
     with tempfile.TemporaryDirectory() as place, tarfile.open(archive) as packed:
         packed.extractall(place, filter="data")
         sources = Path(place, archive.name.removesuffix(".tar.gz"))
+        os.environ["CARGO_TARGET_DIR"] = str(sources / "target")  # extension and library have one core
         build: list[str | Path] = [PYTHON, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation"]
         build += [sources, "--wheel-dir", dist, "--config-settings"]
         how = f"build-args=--locked --profile {profile}"
