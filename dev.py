@@ -238,7 +238,6 @@ def wheel(options: list[str]) -> None:
     with tempfile.TemporaryDirectory() as place, tarfile.open(archive) as packed:
         packed.extractall(place, filter="data")
         sources = Path(place, archive.name.removesuffix(".tar.gz"))
-        os.environ["CARGO_TARGET_DIR"] = str(sources / "target")  # extension and library have one core
         build: list[str | Path] = [PYTHON, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation"]
         build += [sources, "--wheel-dir", dist, "--config-settings"]
         how = f"build-args=--locked --profile {profile}"
