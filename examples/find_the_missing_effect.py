@@ -13,7 +13,10 @@ def main() -> None:
     """Learn what is missing from two captures of one knob, then look at the evidence."""
     knob = kc.Model.load("knob1").with_effect("stribeck")
     knob = knob.with_value("stribeck.rise", 1.5).with_value("stribeck.vs", 0.4)
-    captures = [kc.simulate(knob, "sweep", seed=1), kc.simulate(knob, "multisine", seed=2)]
+    captures = [
+        kc.simulate(knob, motion, rate_hz=2000.0, seed=seed)
+        for seed, motion in enumerate(("sweep", "multisine"), 1)
+    ]
 
     story = kc.learn(captures, progress=print)
     print(story)

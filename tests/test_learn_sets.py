@@ -12,10 +12,11 @@ import knobcam as kc
 from knobcam.learn import LearningResult
 
 
-def learnt(case: str, motion: str | None = None) -> LearningResult:
+def learnt(case: str, motion: str | None = None, every: int = 1) -> LearningResult:
+    """A search with `every` so many samples of the capture, where fewer show the same."""
     hidden = Stratum.parse(case).make(motion).capture
     t, theta, omega, alpha, tau = (
-        hidden[name] for name in ("t_s", "theta_rad", "omega_rad_s", "alpha_rad_s2", "tau_Nm")
+        hidden[name][::every] for name in ("t_s", "theta_rad", "omega_rad_s", "alpha_rad_s2", "tau_Nm")
     )
     return kc.learn(kc.Capture.from_arrays(t=t, theta=theta, omega=omega, alpha=alpha, tau=tau))
 
@@ -55,13 +56,14 @@ def test_a_sensor_that_is_often_at_its_limit_keeps_its_noise() -> None:
 
 def test_what_was_looked_for_in_the_error_of_another_is_looked_for_anew_beside_it() -> None:
     # Friction that falls as it warms up hides which waves over position it has.
-    story = learnt("pair/position_friction+friction_drift:3100")
+    story = learnt("pair/position_friction+friction_drift:3100", every=2)
     assert set(story.found) == {"position_friction", "friction_drift"}
     assert story.fit.rmse < 1.05 * story.noise_floor
 
 
 def test_a_torque_that_is_late_is_not_ahead_too() -> None:
-    assert set(learnt("pair/torque_lag+second_detent:3105").found) == {"torque_lag", "second_detent"}
+    story = learnt("pair/torque_lag+second_detent:3105", every=4)
+    assert set(story.found) == {"torque_lag", "second_detent"}
 
 
 def test_what_only_led_to_a_joint_is_not_named_with_it() -> None:

@@ -20,8 +20,9 @@ from knobcam.show.words import param_word, sentence
 
 
 @pytest.fixture(scope="module")
-def humming(capture: kc.Capture) -> kc.LearningResult:
+def humming() -> kc.LearningResult:
     """A knob with nothing missing and a torque that hums."""
+    capture = kc.simulate("knob4", "sweep", duration_s=3.0, rate_hz=1000.0)
     tau = capture.tau + 2e-3 * np.sin(2.0 * np.pi * 50.0 * capture.t)
     return kc.learn(dataclasses.replace(capture, tau=tau, meta={"source": "$hum$ <b>"}))
 

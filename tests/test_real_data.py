@@ -153,24 +153,3 @@ def test_base_parameters_lie_in_their_intervals_as_often_as_95_percent_promises(
             missed += not estimate.ci95[0] <= truth[parameter] <= estimate.ci95[1]
     assert total >= 20
     assert missed <= binom.ppf(0.999, total, 0.05), f"{missed} of {total} intervals miss the truth"
-
-
-def test_a_servo_that_let_go_is_said_to_and_without_that_the_log_is_doubted() -> None:
-    """Four runs of one servo; in one of them it swings free for four seconds, which no voltage tells."""
-    runs = sorted((SHARED / "bam_xl330").glob("*.json"))
-    if len(runs) < 4:
-        pytest.skip(
-            f"{SHARED / 'bam_xl330'} is absent; set KNOBCAM_SHARED_DATA to the folder of real measurements"
-        )
-    captures = [kc.load(run) for run in runs]
-    assert [[one.count for one in run.findings if one.kind == "let_go"] for run in captures] == [
-        [],
-        [1138],
-        [],
-        [],
-    ]
-    right = kc.learn(captures)
-    assert right.verdict == "unexplained" and "negative" not in right.headline
-    assert not [one for one in right.fit.warnings if "negative" in one]
-    captures[1] = kc.load(runs[1], overrule=["let_go:tau"])
-    assert "the log, not an effect, may be what is wrong" in kc.learn(captures).headline

@@ -8,7 +8,6 @@ import re
 import signal
 import subprocess
 import sys
-import threading
 import time
 import tty
 import zlib
@@ -25,6 +24,7 @@ from wire.make_vectors import stuff
 import knobcam as kc
 from knobcam import _core
 from knobcam.rig.emulator import EmulatedRig
+from knobcam.rig.figures import Figures
 
 KEPT = re.compile(r"(\d+) samples are kept in (\S+)$")
 
@@ -179,8 +179,12 @@ def test_a_model_that_the_rig_cannot_render_is_refused_in_its_words(tmp_path: Pa
 
 def test_a_plug_that_is_pulled_in_a_run_leaves_the_samples(tmp_path: Path) -> None:
     with Peer() as peer:
-        threading.Timer(0.5, peer.unplug).start()
-        line = line_of(lambda: kc.record(peer.port, "hand", duration_s=60.0, output=tmp_path / "a.kcwire"))
+
+        def pull(figures: Figures) -> None:
+            peer._plugged = figures.received == 0
+
+        how: dict[str, Any] = {"duration_s": 60.0, "output": tmp_path / "a.kcwire", "progress": pull}
+        line = line_of(lambda: kc.record(peer.port, "hand", **how))
     assert "gone" in line and "plug" in line
     kept(line)
 
@@ -188,7 +192,7 @@ def test_a_plug_that_is_pulled_in_a_run_leaves_the_samples(tmp_path: Path) -> No
 def test_a_rig_that_falls_silent_in_a_run_leaves_the_samples(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("knobcam.rig.record._SILENT_S", 0.3)
+    monkeypatch.setattr("knobcam.rig.record._SILENT_S", 1.5)
     with Peer(says=Nth("DATA", set(range(20, 100_000)))) as peer:
         line = line_of(lambda: kc.record(peer.port, "hand", duration_s=60.0, output=tmp_path / "a.kcwire"))
         assert "silent" in line and peer.state == "idle"

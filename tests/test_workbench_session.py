@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import runpy
 import threading
-import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -326,27 +325,6 @@ def test_a_coupling_that_explains_nothing_is_refused_in_one_line(capture: kc.Cap
     for coupling in ("backlash", "compliance"):
         with pytest.raises(InputError, match=f"effect '{coupling}': .* explains too little"):
             session.add(coupling)
-
-
-def test_a_model_a_report_and_pictures_are_saved(weighed: Session, tmp_path: Path):
-    weighed.fork("saved")
-    weighed.add("return_spring")
-    model = saving.save(weighed, "model", tmp_path / "knob.toml", quiet)
-    assert kc.Model.load(model) == weighed.node.fit.model
-    report = saving.save(weighed, "report", tmp_path / "report.html", quiet).read_text()
-    assert "return_spring was missing" in report
-    pictures = saving.save(weighed, "figures", tmp_path / "figures.zip", quiet)
-    with zipfile.ZipFile(pictures) as archive:
-        names = archive.namelist()
-    assert len(names) > 10
-    assert all(name.endswith(".png") for name in names)
-    with pytest.raises(InputError, match="exists already"):
-        saving.save(weighed, "model", model, quiet)
-    with pytest.raises(InputError, match="cannot be saved"):
-        saving.save(weighed, "pickle", tmp_path / "x", quiet)
-    with pytest.raises(InputError, match="there is no folder"):
-        saving.save(weighed, "model", tmp_path / "none" / "x", quiet)
-    weighed.switch(next(iter(weighed.branches)))
 
 
 def test_a_step_that_lost_an_effect_says_so(session: Session):
