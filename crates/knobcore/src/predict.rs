@@ -97,6 +97,17 @@ pub fn raw(
     chain::along(model, &p, &columns, signals.substeps, &mut over);
 }
 
+/// Model torque with several sets of parameters over a chunk through the measurement filter, a column each.
+pub fn several(model: &Model, sets: &[Vec<f64>], signals: &Signals, chunk: &Chunk, out: &mut Vec<Vec<f64>>) {
+    out.resize_with(sets.len(), Vec::new);
+    out.iter_mut().for_each(|column| column.resize(chunk.whole.len(), 0.0));
+    let motion = signals.motion_columns(chunk.whole.clone());
+    let sets: Vec<Vec<f64>> = sets.iter().map(|p| model.of_run(&signals.run, p).into_owned()).collect();
+    chain::several(model, &sets, signals.substeps, motion, 1.0 / signals.rate_hz, out);
+    let mut columns: Vec<&mut [f64]> = out.iter_mut().map(Vec::as_mut_slice).collect();
+    signals.measure(&mut columns);
+}
+
 /// Model torque at every sample of a capture through the measurement filter, N m; samples outside of
 /// every segment are NaN.
 pub fn torque(model: &Model, signals: &Signals) -> Vec<f64> {

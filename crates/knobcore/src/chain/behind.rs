@@ -7,6 +7,7 @@ use crate::effects::{Id, Place};
 use crate::isa;
 use crate::model::Model;
 use crate::motion::Channel;
+use crate::scalar::{Packed, Scalar, Wide};
 
 /// Torque and derivatives on the shaft; what the columns held is replaced.
 pub(super) fn loads(
@@ -19,6 +20,33 @@ pub(super) fn loads(
     knobs(model, p, columns, substeps, over);
     if !model.shafts().is_empty() {
         shafts(model, p, columns, over);
+    }
+}
+
+/// Torques on the shaft of at most [`WIDE`] sets of parameters, none of which is a user's own.
+pub(super) fn side_by_side(
+    model: &Model,
+    sets: &[Vec<f64>],
+    substeps: usize,
+    motion: [&[f64]; 5],
+    dt: f64,
+    torques: &mut [Vec<f64>],
+) {
+    // Lanes that are left over repeat the last set.
+    let lane = |lane: usize| sets.get(lane).or(sets.last());
+    let all = |at: usize| Packed(std::array::from_fn(|k| lane(k).map_or(0.0, |p| p[at])));
+    let p: Vec<Wide> = (0..model.slots().len()).map(all).collect();
+    let columns = vec![None; p.len()];
+    let own = Own::default();
+    let behind = Behind { model, columns: &columns, own: &own, motion, dt, substeps };
+    let out = |at: usize, tau: Wide| {
+        torques.iter_mut().zip(tau.0).for_each(|(torque, tau)| torque[at] = tau);
+    };
+    isa::dispatch_wide(Simulation { of: &behind, p: &p, beside: |_| None, out });
+    if !model.shafts().is_empty() {
+        for (p, torque) in sets.iter().zip(torques) {
+            shafts(model, p, &columns, &mut Response { motion, dt, torque, slopes: &mut [] });
+        }
     }
 }
 
@@ -174,13 +202,14 @@ impl<T: Carried, B: Fn(usize) -> Option<Beside<T>>, F: FnMut(usize, T)> pulp::Nu
         let Some(mut hidden) = Hidden::new(model, p, instant(0), *dt, *substeps) else { return };
         for (at, alpha) in alpha.iter().enumerate() {
             let force = hidden.follow(model, p, &mut state, instant(at), 0, beside(at));
-            out(at, hidden.shafts * T::of(*alpha) + force);
+            out(at, hidden.shafts.scaled(T::Value::of(*alpha)) + force);
         }
     }
 }
 
 /// What functions of a user's own do to the knob along the shaft's motion: torque and factor on the friction, empty
 /// without any; and derivatives by column, those of factors as a share of the factor.
+#[derive(Default)]
 struct Own {
     drive: Vec<f64>,
     friction_scale: Vec<f64>,
@@ -189,7 +218,7 @@ struct Own {
 
 impl Own {
     fn over(model: &Model, p: &[f64], columns: &[Option<usize>], motion: [&[f64]; 5]) -> Self {
-        let mut own = Self { drive: Vec::new(), friction_scale: Vec::new(), slopes: Vec::new() };
+        let mut own = Self::default();
         let samples = motion[0].len();
         for (id, p, columns) in model.parts(p, columns) {
             let Id::User(user) = id else { continue };
@@ -218,5 +247,76 @@ impl Own {
 
     fn at(&self, at: usize) -> Option<Beside<f64>> {
         Some(Beside { drive: *self.drive.get(at)?, friction_scale: *self.friction_scale.get(at)? })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::chain;
+    use crate::effects::law::Response;
+    use crate::effects::{Id, Place};
+    use crate::model::Model;
+    use crate::param::Axis;
+
+    const DT: f64 = 1e-3;
+
+    /// A knob behind a joint, with an effect more.
+    fn knob(coupling: Id, other: Option<Id>) -> Model {
+        let mut model =
+            Model::equation_1(Axis::Rotary, true).with(Id::Karnopp).unwrap().with(coupling).unwrap();
+        if let Some(other) = other.filter(|other| !model.has(*other)) {
+            model = model.with(other).unwrap();
+        }
+        model
+    }
+
+    /// Parameters of ordinary sizes, other ones in each set.
+    fn sets(model: &Model, count: usize) -> Vec<Vec<f64>> {
+        let value = |set: usize| {
+            move |(at, slot): (usize, &crate::model::Slot)| {
+                let param = slot.param;
+                let share = 0.2 + 0.6 * ((7 * set + 3 * at) % 11) as f64 / 11.0;
+                (param.neutral + share * param.scale()).clamp(param.lower, param.upper)
+            }
+        };
+        (0..count).map(|set| model.slots().iter().enumerate().map(value(set)).collect()).collect()
+    }
+
+    #[test]
+    fn knobs_that_are_followed_side_by_side_go_where_each_goes_alone() {
+        let over = |of: &dyn Fn(f64) -> f64| (0..1500).map(|i| of(f64::from(i) * DT)).collect::<Vec<f64>>();
+        let swing = 9.0;
+        let columns = [
+            over(&|t| t),
+            over(&|t| 0.3 * (swing * t).sin()),
+            over(&|t| 0.3 * swing * (swing * t).cos()),
+            over(&|t| -0.3 * swing * swing * (swing * t).sin()),
+            over(&|t| f64::from(u8::from((swing * t).cos() > 0.0))),
+        ];
+        let motion = columns.each_ref().map(Vec::as_slice);
+        let others = Id::BUILT_IN.iter().filter(|id| id.info().place != Place::Coupling);
+        for other in others.map(|id| Some(*id)).chain([None]) {
+            for coupling in [Id::Backlash, Id::Compliance] {
+                let model = knob(coupling, other);
+                // One pack, and one with lanes that are left over.
+                let sets = sets(&model, 11);
+                let mut torques = vec![vec![0.0; 1500]; sets.len()];
+                chain::several(&model, &sets, 2, motion, DT, &mut torques);
+                let none = vec![None; model.slots().len()];
+                let mut moved = 0;
+                for (p, side) in sets.iter().zip(&torques) {
+                    let mut alone = vec![0.0; 1500];
+                    let over = &mut Response { motion, dt: DT, torque: &mut alone, slopes: &mut [] };
+                    chain::along(&model, p, &none, 2, over);
+                    let size = alone.iter().fold(0.0_f64, |most, tau| most.max(tau.abs()));
+                    moved += usize::from(size.is_finite() && size > 0.0);
+                    for (at, (side, alone)) in side.iter().zip(&alone).enumerate() {
+                        let same = (side - alone).abs() <= 1e-12 * size || side.is_nan() && alone.is_nan();
+                        assert!(same, "{other:?} {coupling:?} {at}: {side} {alone}");
+                    }
+                }
+                assert!(moved > 8, "{other:?} {coupling:?}: {moved}");
+            }
+        }
     }
 }

@@ -9,6 +9,7 @@ use crate::effects::Joint;
 use crate::effects::law::Carried;
 use crate::model::Model;
 use crate::motion::{Load, Motion};
+use crate::scalar::Scalar;
 
 /// The motion of the shaft at one instant: t, theta, omega, alpha.
 pub type Instant = [f64; 4];
@@ -25,7 +26,7 @@ pub struct Beside<T> {
 
 /// The hidden knob, carried along behind the shaft.
 #[derive(Debug, Clone, Copy)]
-pub struct Hidden<T> {
+pub struct Hidden<T: Carried> {
     joint: Joint<T>,
     knob: Body<T>,
     own: T,
@@ -153,8 +154,7 @@ impl<T: Carried> Hidden<T> {
                 let reached = hermite([from[1], to[1]], [from[2] * time, to[2] * time], share(step + 1));
                 (h, reached, between(was, beside, share(step)))
             };
-            let shaft = [T::of(angle), T::of(reached)];
-            let (knob, force) = self.knob.stepped(&self.joint, &self.acts(beside), shaft, h);
+            let (knob, force) = self.knob.stepped(&self.joint, &self.acts(beside), [angle, reached], h);
             last = (step > 0).then_some(next);
             next = force;
             if !tried {
@@ -162,7 +162,7 @@ impl<T: Carried> Hidden<T> {
             }
         }
         self.before = Some((to, beside));
-        last.map_or(next, |last| T::of(0.5) * (last + next))
+        last.map_or(next, |last| (last + next).scaled(T::Value::of(0.5)))
     }
 }
 

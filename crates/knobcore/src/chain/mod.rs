@@ -25,8 +25,10 @@ pub use hidden::{Beside, Hidden, Instant};
 pub use push::{Hand, Pushed, push};
 pub use stepper::{Acts, Body};
 
+use crate::effects::Id;
 use crate::effects::law::Response;
 use crate::model::Model;
+use crate::scalar::WIDE;
 
 /// Steps of a hidden knob from one sample to the next.
 pub const SUBSTEPS: usize = 4;
@@ -45,6 +47,34 @@ pub fn loads(model: &Model, p: &[f64], columns: &[Option<usize>], substeps: usiz
 pub fn sensors(model: &Model, p: &[f64], columns: &[Option<usize>], over: &mut Response<'_>) {
     for (id, p, columns) in model.parts(p, columns) {
         id.law().pass(p, columns, over);
+    }
+}
+
+/// The recorded torque along one motion of a model with several sets of parameters: behind a joint as many knobs are
+/// followed side by side as a register has lanes. Those with laws of a user's own go one by one.
+pub fn several(
+    model: &Model,
+    sets: &[Vec<f64>],
+    substeps: usize,
+    motion: [&[f64]; 5],
+    dt: f64,
+    torques: &mut [Vec<f64>],
+) {
+    let columns = vec![None; model.slots().len()];
+    let together = model.is_coupled() && !model.effects().any(|id| matches!(id, Id::User(_)));
+    for (sets, torques) in sets.chunks(WIDE).zip(torques.chunks_mut(WIDE)) {
+        let wide = together && sets.len() > 1;
+        if wide {
+            behind::side_by_side(model, sets, substeps, motion, dt, torques);
+        }
+        for (p, torque) in sets.iter().zip(torques) {
+            let over = &mut Response { motion, dt, torque, slopes: &mut [] };
+            if wide {
+                sensors(model, p, &columns, over);
+            } else {
+                along(model, p, &columns, substeps, over);
+            }
+        }
     }
 }
 

@@ -6,18 +6,18 @@
 
 use crate::effects::Joint;
 use crate::motion::Load;
-use crate::scalar::Scalar;
+use crate::scalar::{Branches, Lanes, Scalar};
 
 /// A body that turns.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Body<T> {
+pub struct Body<T: Branches> {
     /// Angle, rad.
     pub theta: T,
     /// Angular velocity, rad/s.
     pub omega: T,
     /// Whether it grew faster in the step before: a body that broke away sticks again when its speed falls back into
     /// the stick band, not while it leaves it.
-    pub leaving: bool,
+    pub leaving: T::Lanes,
 }
 
 /// What acts on a body in a step.
@@ -49,26 +49,29 @@ pub struct Pressed<T> {
 /// (Painleve 1895).
 const JAMS: f64 = 0.99;
 
-impl<T: Scalar> Acts<T> {
+impl<T: Branches> Acts<T> {
     /// A load on a body of this inertia: the friction that slides, and within the stick band static
     /// friction (Karnopp 1985) where that holds more. `plain` where no effect shapes the friction of others.
     #[inline(always)]
     pub fn of(load: &Load<T>, plain: bool, body: &Body<T>, inertia: T) -> Self {
-        let (half, zero, one) = (T::of(0.5), T::of(0.0), T::of(1.0));
+        let (half, zero) = (T::Value::of(0.5), T::of(0.0));
         let [back, forth] = load.resist;
         let [mut backward, mut forward] =
-            if plain { [[-back, zero], [forth, zero]] } else { [load.rubs(zero), load.rubs(one)] };
+            if plain { [[-back, zero], [forth, zero]] } else { [load.rubs(zero), load.rubs(T::of(1.0))] };
         let presses = load.presses();
-        if !body.leaving && (load.band - body.omega.abs()).is_positive() {
+        let sticks = body.leaving.not().and((load.band - body.omega.abs()).positive());
+        if sticks.any() {
             for ([unpressed, per_load], hold, sign) in
-                [(&mut backward, load.hold[0], -one), (&mut forward, load.hold[1], one)]
+                [(&mut backward, load.hold[0], -1.0), (&mut forward, load.hold[1], 1.0)]
             {
-                let more = hold - sign * (*unpressed + *per_load * presses.abs());
-                *unpressed = more.where_positive(sign * hold, *unpressed);
-                *per_load = more.where_positive(zero, *per_load);
+                let sign = T::Value::of(sign);
+                let more = hold - (*unpressed + *per_load * presses.abs()).scaled(sign);
+                let held = sticks.and(more.positive());
+                *unpressed = T::choose(held, hold.scaled(sign), *unpressed);
+                *per_load = T::choose(held, zero, *per_load);
             }
         }
-        let inertial = load.inertia_share.is_positive() || load.mu.abs().is_positive();
+        let inertial = load.inertia_share.positive().any() || load.mu.abs().positive().any();
         let ([mut back, back_per_load], [mut forth, forth_per_load]) = (backward, forward);
         let mut pressed = None;
         if inertial && !plain {
@@ -78,8 +81,8 @@ impl<T: Scalar> Acts<T> {
             back = back + back_per_load * presses.abs();
             forth = forth + forth_per_load * presses.abs();
         }
-        let friction = (half * (forth - back)).max(zero);
-        Self { inertia, push: load.drive + half * (forth + back), friction, pressed }
+        let friction = (forth - back).scaled(half).max(zero);
+        Self { inertia, push: load.drive + (forth + back).scaled(half), friction, pressed }
     }
 
     /// What opposes a motion at this speed that takes so much torque of the inertia, N m.
@@ -93,7 +96,7 @@ impl<T: Scalar> Acts<T> {
     }
 }
 
-impl<T: Scalar> Pressed<T> {
+impl<T: Branches> Pressed<T> {
     /// The speed at the end of a step in the direction `way` (0 backward, 1 forward): where the torques of the step
     /// are in balance, `weight * speed = free - per_load |load + share * mass * (speed - omega)|`. Straight on either
     /// side of where the load turns round, and rising: one of the two is right.
@@ -114,18 +117,18 @@ impl<T: Scalar> Pressed<T> {
     }
 }
 
-impl<T: Scalar> Body<T> {
+impl<T: Branches> Body<T> {
     /// A body at an angle and a speed.
     #[inline]
     pub fn at(theta: T, omega: T) -> Self {
-        Self { theta, omega, leaving: false }
+        Self { theta, omega, leaving: T::Lanes::NONE }
     }
 
     /// Its speed after a step of `h` seconds under what acts on it and under a torque along its motion that is
     /// `fixed - drag * (speed at the end)`, N m and N m s/rad.
     #[inline(always)]
     pub fn slid(&self, acts: &Acts<T>, fixed: T, drag: T, h: f64) -> T {
-        let mass = acts.inertia / T::of(h);
+        let mass = acts.inertia.over(h);
         let weight = mass + drag;
         let free = mass * self.omega + fixed - acts.push;
         if let Some(pressed) = &acts.pressed {
@@ -140,156 +143,157 @@ impl<T: Scalar> Body<T> {
     /// Where it is after a step of `h` seconds at whose end it has this speed.
     #[inline(always)]
     pub fn moved(&self, omega: T, h: f64) -> Self {
-        let leaving = omega.abs().is_positive() && !(self.omega.abs() - omega.abs()).is_positive();
-        Self { theta: self.theta + T::of(0.5 * h) * (self.omega + omega), omega, leaving }
+        let slower = (self.omega.abs() - omega.abs()).positive();
+        let leaving = omega.abs().positive().and(slower.not());
+        Self { theta: self.theta + (self.omega + omega).scaled(T::Value::of(0.5 * h)), omega, leaving }
     }
 
     /// A step of `h` seconds behind a joint, and the torque of the joint in it, while the shaft goes from one angle
     /// to the next.
     #[inline(always)]
-    pub fn stepped(&self, joint: &Joint<T>, acts: &Acts<T>, shaft: [T; 2], h: f64) -> (Self, T) {
-        let step = Step::of(self, joint, acts, shaft, h);
+    pub fn stepped(&self, joint: &Joint<T>, acts: &Acts<T>, shaft: [f64; 2], h: f64) -> (Self, T) {
+        let step = Step { body: self, joint, acts, shaft: shaft[0], speed: (shaft[1] - shaft[0]) / h, h };
         // Which way it goes, by the values alone: only that way has to be gone with derivatives.
-        let contact = step.values().contact();
-        let omega = match contact {
-            Contact::None => return (self.moved(step.alone(), h), T::of(0.0)),
-            Contact::Lasts(side) => step.held(side),
-            Contact::Reached(side) => step.reaching(side),
+        let Contact { side, touches, lasts } = step.contact();
+        let reached = |omega: T| {
+            let inertial = acts.inertia.over(h) * (omega - self.omega);
+            inertial + acts.opposes(omega, inertial)
         };
-        let force = match contact {
-            Contact::Reached(_) => {
-                let inertial = acts.inertia / T::of(h) * (omega - self.omega);
-                inertial + acts.opposes(omega, inertial)
-            }
-            Contact::Lasts(side) => step.force(side, omega),
-            Contact::None => T::of(0.0),
+        if !touches.any() {
+            return (self.moved(step.alone(), h), T::of(0.0));
+        }
+        if lasts.all() {
+            let omega = step.held(side);
+            return (self.moved(omega, h), step.force(side, omega));
+        }
+        let reaching = step.reaching(side);
+        if touches.and(lasts.not()).all() {
+            return (self.moved(reaching, h), reached(reaching));
+        }
+        // Of several knobs each goes its own way.
+        let choose = |lasting: T, reaching: T, alone: T| {
+            T::choose(lasts, lasting, T::choose(touches, reaching, alone))
         };
-        (self.moved(omega, h), force)
+        let omega = choose(step.held(side), reaching, step.alone());
+        (self.moved(omega, h), choose(step.force(side, omega), reached(omega), T::of(0.0)))
     }
 }
 
-/// What a joint does in a step, and on which side (1 or -1).
+/// What a joint does in a step.
 #[derive(Debug, Clone, Copy)]
-enum Contact {
-    /// Nothing.
-    None,
-    /// It touches to the end of the step.
-    Lasts(f64),
-    /// It touches just at its end: the damper would stop the knob short of the contact, which has to be reached for it
-    /// to act.
-    Reached(f64),
+struct Contact<V: Branches> {
+    /// The side that may touch, 1 or -1.
+    side: V,
+    /// Where it does.
+    touches: V::Lanes,
+    /// Where it does to the end of the step. Else just at its end: the damper would stop the knob short of the contact,
+    /// which has to be reached for it to act.
+    lasts: V::Lanes,
 }
 
 /// A step behind a joint. Its parts are functions, and not closures, for these would be left out of what is compiled for
 /// the machine's instruction set.
 #[derive(Debug, Clone, Copy)]
-struct Step<T> {
-    body: Body<T>,
-    joint: Joint<T>,
-    acts: Acts<T>,
+struct Step<'a, T: Branches> {
+    body: &'a Body<T>,
+    joint: &'a Joint<T>,
+    acts: &'a Acts<T>,
     /// Angle of the shaft at the start, and its speed.
-    shaft: T,
-    speed: T,
+    shaft: f64,
+    speed: f64,
     h: f64,
 }
 
-impl<T: Scalar> Step<T> {
+impl<T: Branches> Step<'_, T> {
+    /// What the joint does, by the values without derivatives.
     #[inline(always)]
-    fn of(body: &Body<T>, joint: &Joint<T>, acts: &Acts<T>, [from, to]: [T; 2], h: f64) -> Self {
-        let speed = (to - from) / T::of(h);
-        Self { body: *body, joint: *joint, acts: *acts, shaft: from, speed, h }
-    }
-
-    /// The same without derivatives.
-    #[inline(always)]
-    fn values(&self) -> Step<f64> {
+    fn contact(&self) -> Contact<T::Value> {
         let Self { body, joint, acts, shaft, speed, h } = *self;
-        let body = Body { theta: body.theta.value(), omega: body.omega.value(), leaving: body.leaving };
-        let joint = Joint {
-            gap: joint.gap.value(),
-            stiffness: joint.stiffness.value(),
-            damping: joint.damping.value(),
-            share: joint.share.value(),
-            welded: joint.welded,
-        };
+        let body = Body { theta: body.theta.plain(), omega: body.omega.plain(), leaving: body.leaving };
+        let joint = joint.plain();
         let pressed = acts.pressed.map(|Pressed { load, share, per_load: [back, forth] }| Pressed {
-            load: load.value(),
-            share: share.value(),
-            per_load: [back.value(), forth.value()],
+            load: load.plain(),
+            share: share.plain(),
+            per_load: [back.plain(), forth.plain()],
         });
         let acts = Acts {
-            inertia: acts.inertia.value(),
-            push: acts.push.value(),
-            friction: acts.friction.value(),
+            inertia: acts.inertia.plain(),
+            push: acts.push.plain(),
+            friction: acts.friction.plain(),
             pressed,
         };
-        Step { body, joint, acts, shaft: shaft.value(), speed: speed.value(), h }
+        Step { body: &body, joint: &joint, acts: &acts, shaft, speed, h }.meets()
     }
 
     /// Rate of the joint halfway, by the speed of the knob at the end of the step.
     #[inline(always)]
     fn rate(&self, omega: T) -> T {
-        self.speed - T::of(0.5) * (self.body.omega + omega)
+        T::of(self.speed) - (self.body.omega + omega).scaled(T::Value::of(0.5))
     }
 
     /// Twist of the joint there.
     #[inline(always)]
     fn twist(&self, omega: T) -> T {
-        self.shaft - self.body.theta + T::of(0.5 * self.h) * self.rate(omega)
+        T::of(self.shaft) - self.body.theta + self.rate(omega).scaled(T::Value::of(0.5 * self.h))
     }
 
     /// The twist at which a side touches.
     #[inline(always)]
-    fn border(&self, side: f64) -> T {
-        T::of(0.5 * side) * self.joint.gap
+    fn border(&self, side: T::Value) -> T {
+        self.joint.gap.scaled(T::Value::of(0.5) * side)
     }
 
     /// Torque of the joint halfway.
     #[inline(always)]
-    fn force(&self, side: f64, omega: T) -> T {
+    fn force(&self, side: T::Value, omega: T) -> T {
         self.joint.stiffness * (self.twist(omega) - self.border(side)) + self.joint.damping * self.rate(omega)
     }
 
     /// Speed at the end without joint;
     #[inline(always)]
     fn alone(&self) -> T {
-        self.body.slid(&self.acts, T::of(0.0), T::of(0.0), self.h)
+        self.body.slid(self.acts, T::of(0.0), T::of(0.0), self.h)
     }
 
     /// with a side that touches to the end;
     #[inline(always)]
-    fn held(&self, side: f64) -> T {
-        let drag = T::of(0.25 * self.h) * self.joint.stiffness + T::of(0.5) * self.joint.damping;
-        self.body.slid(&self.acts, self.force(side, T::of(0.0)), drag, self.h)
+    fn held(&self, side: T::Value) -> T {
+        let [quarter, half] = [0.25 * self.h, 0.5].map(T::Value::of);
+        let drag = self.joint.stiffness.scaled(quarter) + self.joint.damping.scaled(half);
+        self.body.slid(self.acts, self.force(side, T::of(0.0)), drag, self.h)
     }
 
     /// with one that just touches there.
     #[inline(always)]
-    fn reaching(&self, side: f64) -> T {
+    fn reaching(&self, side: T::Value) -> T {
         let rate = self.rate(T::of(0.0));
-        rate + rate + (self.shaft - self.body.theta - self.border(side)) * T::of(4.0 / self.h)
+        let left = T::of(self.shaft) - self.body.theta - self.border(side);
+        rate + rate + left.scaled(T::Value::of(4.0 / self.h))
     }
 }
 
-impl Step<f64> {
+impl<V: Branches<Value = V>> Step<'_, V> {
     #[inline(always)]
-    fn contact(&self) -> Contact {
+    fn meets(&self) -> Contact<V> {
         // The side that the knob without joint would be on is the one that touches, if any does.
         let alone = self.alone();
-        let side = if self.twist(alone) > 0.0 { 1.0 } else { -1.0 };
+        let side = self.twist(alone).where_positive(V::of(1.0), V::of(-1.0));
         if self.joint.welded {
-            return Contact::Lasts(side);
+            let all = V::Lanes::NONE.not();
+            return Contact { side, touches: all, lasts: all };
         }
-        if !(self.inside(side, alone) && side * self.force(side, alone) > 0.0) {
-            return Contact::None;
+        let touches = self.inside(side, alone).and((side * self.force(side, alone)).positive());
+        if !touches.any() {
+            return Contact { side, touches, lasts: touches };
         }
-        if self.inside(side, self.held(side)) { Contact::Lasts(side) } else { Contact::Reached(side) }
+        let lasts = touches.and(self.inside(side, self.held(side)));
+        Contact { side, touches, lasts }
     }
 
-    /// Whether a side touches halfway.
+    /// Where a side touches halfway.
     #[inline(always)]
-    fn inside(&self, side: f64, omega: f64) -> bool {
-        side * (self.twist(omega) - self.border(side)) > 0.0
+    fn inside(&self, side: V, omega: V) -> V::Lanes {
+        (side * (self.twist(omega) - self.border(side))).positive()
     }
 }
 

@@ -11,6 +11,7 @@ use crate::algebra::dot;
 use crate::fit::least;
 use crate::model::{Model, Role};
 use crate::rule::rule;
+use crate::scalar::WIDE;
 use crate::signals::Signals;
 
 /// Rounds of a search for the best end at most, and of one for a way there.
@@ -49,11 +50,8 @@ struct Slope {
 /// of squares.
 pub fn strides(data: &[&Signals], model: &Model, floor: f64, rounds: usize, watch: &Watch<'_>) -> Model {
     let thinned = Thinned::of(data, usize::MAX);
-    let at = |model: Model| {
-        let (_, residual, squares) = thinned.columns(data, &model, &[]);
-        Point { model, residual, squares }
-    };
-    let mut here = at(model.clone());
+    let at = |models: Vec<Model>| points(data, &thinned, models, watch);
+    let Some(mut here) = at(vec![model.clone()]).pop() else { return model.clone() };
     let mut widths = first(model);
     let mut failed = 0;
     for _ in 0..rounds {
@@ -62,16 +60,16 @@ pub fn strides(data: &[&Signals], model: &Model, floor: f64, rounds: usize, watc
         }
         let left = (here.squares - floor).max(LEAST * LEAST * here.squares) / here.squares;
         let target = STRIDES[failed] * (left * dot(&here.residual, &here.residual)).sqrt();
-        let slopes = watch.each(&widths, |(slot, width)| sloped(&here, *slot, *width, target, &at));
+        let slopes = sloped(&here, &widths, target, &at);
         widths = slopes.iter().map(|slope| (slope.slot, slope.width)).collect();
         let told = slopes.into_iter().filter(|slope| {
             let length = dot(&slope.column, &slope.column);
             length.is_finite() && length > 0.0
         });
         let told: Vec<Slope> = told.collect();
-        let tried = watch.each(&STEPS, |step| stepped(&here, &told, *step).map(at));
-        let best = tried.into_iter().flatten().min_by(|a, b| a.squares.total_cmp(&b.squares));
-        match best.filter(|best| best.squares < (1.0 - LITTLE) * here.squares) {
+        let tried = at(STEPS.iter().filter_map(|step| stepped(&here, &told, *step)).collect());
+        let lower = tried.into_iter().filter(|tried| tried.squares < (1.0 - LITTLE) * here.squares);
+        match lower.min_by(|a, b| a.squares.total_cmp(&b.squares)) {
             Some(best) => (here, failed) = (best, 0),
             None => failed += 1,
         }
@@ -89,20 +87,43 @@ fn first(model: &Model) -> Vec<(usize, f64)> {
     (0..model.slots().len()).filter(free).map(width).collect()
 }
 
-/// The slope of the torque over a stride that moves it by about `target`.
-fn sloped(here: &Point, slot: usize, mut width: f64, target: f64, at: &impl Fn(Model) -> Point) -> Slope {
-    let mut column = Vec::new();
+/// Where models are that differ in their values alone, as many side by side as a register has lanes.
+fn points(data: &[&Signals], thinned: &Thinned, models: Vec<Model>, watch: &Watch<'_>) -> Vec<Point> {
+    let residuals = |models: &&[Model]| {
+        let sets: Vec<Vec<f64>> = models.iter().map(Model::values).collect();
+        models.first().map_or_else(Vec::new, |model| thinned.residuals(data, model, &sets))
+    };
+    let residuals = watch.each(&models.chunks(WIDE).collect::<Vec<_>>(), residuals);
+    let point = |(model, (residual, squares))| Point { model, residual, squares };
+    models.into_iter().zip(residuals.into_iter().flatten()).map(point).collect()
+}
+
+/// The slopes of the torque over strides that move it by about `target`; empty ones where nobody waits any longer.
+fn sloped(
+    here: &Point,
+    widths: &[(usize, f64)],
+    target: f64,
+    at: &impl Fn(Vec<Model>) -> Vec<Point>,
+) -> Vec<Slope> {
+    let slope = |(slot, width): &(usize, f64)| Slope { slot: *slot, width: *width, column: Vec::new() };
+    let mut slopes: Vec<Slope> = widths.iter().map(slope).collect();
+    let mut open: Vec<usize> = (0..slopes.len()).collect();
     for _ in 0..TRIED {
-        let (model, by) = moved(&here.model, slot, width);
-        let there = at(model);
-        column = here.residual.iter().zip(&there.residual).map(|(a, b)| (a - b) / by).collect();
-        let far = by.abs() * dot(&column, &column).sqrt() / target;
-        if (ABOUT.recip()..ABOUT).contains(&far) {
-            break;
+        let moved = open.iter().map(|i| moved(&here.model, slopes[*i].slot, slopes[*i].width));
+        let (models, by): (Vec<Model>, Vec<f64>) = moved.unzip();
+        let mut off = Vec::new();
+        for ((i, there), by) in open.into_iter().zip(at(models)).zip(by) {
+            let slope = &mut slopes[i];
+            slope.column = here.residual.iter().zip(&there.residual).map(|(a, b)| (a - b) / by).collect();
+            let far = by.abs() * dot(&slope.column, &slope.column).sqrt() / target;
+            if !(ABOUT.recip()..ABOUT).contains(&far) {
+                slope.width *= if far.is_finite() { far.clamp(0.05, 20.0).recip() } else { 0.1 };
+                off.push(i);
+            }
         }
-        width *= if far.is_finite() { far.clamp(0.05, 20.0).recip() } else { 0.1 };
+        open = off;
     }
-    Slope { slot, width, column }
+    slopes
 }
 
 /// A model with one parameter moved by about `width`, within its bounds, and by how much it was.
@@ -205,24 +226,23 @@ mod tests {
         knob(values).only(&loads).unwrap()
     }
 
-    /// The point of a model, against these signals.
-    fn point(signals: &Signals, model: Model) -> Point {
+    /// The points of models, against these signals.
+    fn at(signals: &Signals, models: Vec<Model>) -> Vec<Point> {
         let data = [signals];
-        let (_, residual, squares) = Thinned::of(&data, usize::MAX).columns(&data, &model, &[]);
-        Point { model, residual, squares }
+        points(&data, &Thinned::of(&data, usize::MAX), models, &Watch::new(&|_| true, 1))
     }
 
     #[test]
     fn a_stride_moves_the_torque_as_far_as_it_is_aimed_however_wide_it_was_before() {
         let truth = rigid(&[]);
         let signals = turned(&truth);
-        let at = |model: Model| point(&signals, model);
-        let here = at(rigid(&[("coulomb.pos", 6e-3)]));
+        let at = |models: Vec<Model>| at(&signals, models);
+        let here = at(vec![rigid(&[("coulomb.pos", 6e-3)])]).remove(0);
         let slot = truth.index("coulomb.pos").unwrap();
         let target = 0.5 * here.squares.sqrt();
         let exact: f64 = here.squares.sqrt() / 1e-3;
         for width in [1e-5, 1e-4, 1e-3, 5e-3] {
-            let slope = sloped(&here, slot, width, target, &at);
+            let slope = sloped(&here, &[(slot, width)], target, &at).remove(0);
             let far = slope.width * dot(&slope.column, &slope.column).sqrt() / target;
             assert!((ABOUT.recip()..=ABOUT).contains(&far), "{width}: {far}");
             // What brakes one way alone is a torque in proportion.
@@ -235,16 +255,13 @@ mod tests {
     #[test]
     fn a_step_along_slopes_ends_where_the_squares_are_least_and_one_that_is_held_back_before() {
         let signals = turned(&rigid(&[]));
-        let at = |model: Model| point(&signals, model);
+        let all = |models: Vec<Model>| at(&signals, models);
+        let at = |model: Model| all(vec![model]).remove(0);
         let here = at(rigid(&[("coulomb.pos", 6e-3), ("inertia.M", 8e-5)]));
         let names = ["coulomb.pos", "inertia.M"];
         let slots = names.map(|name| here.model.index(name).unwrap());
-        let widths = [1e-4, 2e-6];
-        let slopes: Vec<Slope> = slots
-            .iter()
-            .zip(widths)
-            .map(|(slot, width)| sloped(&here, *slot, width, 0.1 * here.squares.sqrt(), &at))
-            .collect();
+        let widths: Vec<(usize, f64)> = slots.into_iter().zip([1e-4, 2e-6]).collect();
+        let slopes = sloped(&here, &widths, 0.1 * here.squares.sqrt(), &all);
         let led = |step| at(stepped(&here, &slopes, step).unwrap());
         let (whole, held, twice) = (led((1e-6, 1.0)), led((1.0, 1.0)), led((1.0, 2.0)));
         assert!(whole.squares < held.squares && held.squares < here.squares);

@@ -3,7 +3,7 @@
 //! Behind the measurement filter a column has no more than the filter's bandwidth: every few samples tell all of it.
 
 use crate::algebra::dot;
-use crate::fit::evaluate;
+use crate::fit::{evaluate, residuals};
 use crate::model::Model;
 use crate::predict::Seeds;
 use crate::signals::Signals;
@@ -68,6 +68,20 @@ impl Thinned {
         });
         let residual = columns.pop().unwrap_or_default();
         (columns, residual, squares)
+    }
+
+    /// Of each of these sets of parameters the residual, thinned, and the sum of squares of all of it.
+    pub fn residuals(&self, data: &[&Signals], model: &Model, sets: &[Vec<f64>]) -> Vec<(Vec<f64>, f64)> {
+        let mut all = vec![(Vec::with_capacity(self.rows()), 0.0); sets.len()];
+        residuals(data, model, sets, |evaluated| {
+            let scale = self.scale[evaluated.capture];
+            for ((residual, squares), part) in all.iter_mut().zip(evaluated.columns) {
+                let kept = self.kept(evaluated.capture, &evaluated.chunk.core);
+                residual.extend(kept.map(|at| scale * part[at]));
+                *squares += dot(part, part);
+            }
+        });
+        all
     }
 
     /// A column over all samples of all segments, thinned.

@@ -52,7 +52,7 @@ mod user;
 use crate::error::{Error, Result};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::Param;
-use crate::scalar::Scalar;
+use crate::scalar::{Branches, Scalar};
 use law::{Couples, Delays, Law, Loads, Remembers, Senses};
 use registry::{lanes, registry};
 use std::marker::PhantomData;
@@ -200,6 +200,16 @@ pub struct Joint<T> {
     pub share: T,
     /// Whether shaft and knob hold on to each other: the joint then pulls as well as it pushes.
     pub welded: bool,
+}
+
+impl<T: Branches> Joint<T> {
+    /// The same without derivatives.
+    #[inline(always)]
+    pub fn plain(&self) -> Joint<T::Value> {
+        let Self { gap, stiffness, damping, share, welded } = *self;
+        let [gap, stiffness, damping, share] = [gap, stiffness, damping, share].map(T::plain);
+        Joint { gap, stiffness, damping, share, welded }
+    }
 }
 
 /// An effect between the knob and the recorded torque.

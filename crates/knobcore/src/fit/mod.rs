@@ -21,7 +21,7 @@ mod worth;
 pub use expected::Expected;
 pub use hidden::{behind, loads};
 pub use moments::Moments;
-pub(crate) use moments::{add_products, evaluate};
+pub(crate) use moments::{add_products, evaluate, residuals};
 pub use orders::beside as beside_orders;
 pub(crate) use runs::{differ, runs, settled};
 pub use scan::Scan;

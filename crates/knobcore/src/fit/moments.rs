@@ -5,7 +5,7 @@
 
 use crate::isa;
 use crate::model::Model;
-use crate::predict::{Columns, Seeds, measured};
+use crate::predict::{Columns, Seeds, measured, several};
 use crate::signals::{Chunk, Signals};
 use pulp::Simd;
 
@@ -193,6 +193,24 @@ pub fn evaluate(
             }
             let mut views: Vec<&[f64]> = derivatives.iter().map(|column| &column[inner.clone()]).collect();
             views.push(&model_torque[inner]);
+            visit(&Evaluated { capture, signals, chunk: &chunk, columns: &views });
+        }
+    }
+}
+
+/// Passes over all captures with several sets of parameters: hands over a residual for each, chunk after chunk.
+pub fn residuals(data: &[&Signals], model: &Model, sets: &[Vec<f64>], mut visit: impl FnMut(&Evaluated<'_>)) {
+    let mut columns = Vec::new();
+    for (capture, signals) in data.iter().enumerate() {
+        for chunk in signals.chunks(model.remembers()) {
+            several(model, sets, signals, &chunk, &mut columns);
+            let (tau, weight) = (&signals.tau[chunk.core.clone()], &signals.weight[chunk.core.clone()]);
+            for column in &mut columns {
+                for ((f, tau), w) in column[chunk.inner()].iter_mut().zip(tau).zip(weight) {
+                    *f = (tau - *f) * w;
+                }
+            }
+            let views: Vec<&[f64]> = columns.iter().map(|column| &column[chunk.inner()]).collect();
             visit(&Evaluated { capture, signals, chunk: &chunk, columns: &views });
         }
     }

@@ -4,11 +4,13 @@
 //! several samples at once, with [`Dual`] it carries exact derivatives, and with a `Dual` of `Pack` both.
 //! No derivative is written by hand and no formula twice.
 
+mod branches;
 mod dual;
 mod elementary;
 mod known;
 mod pack;
 
+pub use branches::{Branches, Lanes};
 pub use dual::Dual;
 pub(crate) use dual::lane_by_lane;
 pub use known::Known;

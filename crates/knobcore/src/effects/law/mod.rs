@@ -22,7 +22,7 @@ pub use stated::Stated;
 
 use super::{Carrier, Context, Info, Joint, Survey};
 use crate::motion::{Load, Motion};
-use crate::scalar::{Dual, Scalar};
+use crate::scalar::{Branches, Dual, Scalar, Wide};
 
 /// The least that a factor on the dry friction leaves of it: friction never pushes.
 pub(super) const LEAST: f64 = 1e-3;
@@ -67,6 +67,9 @@ pub trait Law: Sync {
     /// The same with derivatives.
     fn load_carried(&self, _p: &[D], _state: &mut [D], _motion: &Motion<D>, _sum: &mut Load<D>) {}
 
+    /// The same for several knobs side by side, of other parameters each; of the catalogue alone.
+    fn load_wide(&self, _p: &[Wide], _state: &mut [Wide], _motion: &Motion<Wide>, _sum: &mut Load<Wide>) {}
+
     /// How it joins shaft and knob, if it does.
     fn joint(&self, _p: &[f64]) -> Option<Joint<f64>> {
         None
@@ -74,6 +77,11 @@ pub trait Law: Sync {
 
     /// The same with derivatives.
     fn joint_carried(&self, _p: &[D]) -> Option<Joint<D>> {
+        None
+    }
+
+    /// The same for several side by side, of the catalogue alone.
+    fn joint_wide(&self, _p: &[Wide]) -> Option<Joint<Wide>> {
         None
     }
 
@@ -106,8 +114,8 @@ pub const CARRIED: usize = 12;
 /// A number with the derivatives that are carried along.
 pub type D = Dual<f64, CARRIED>;
 
-/// A number that a motion can be simulated with, step by step: alone, or with derivatives.
-pub trait Carried: Scalar {
+/// A number that a motion can be simulated with, step by step: alone, with derivatives, or several side by side.
+pub trait Carried: Branches {
     /// [`Law::load`] for this number.
     fn load(law: &dyn Law, p: &[Self], state: &mut [Self], motion: &Motion<Self>, sum: &mut Load<Self>);
     /// [`Law::joint`] for this number.
@@ -137,6 +145,7 @@ macro_rules! carried {
 
 carried!(f64, load, joint);
 carried!(D, load_carried, joint_carried);
+carried!(Wide, load_wide, joint_wide);
 
 /// The first `N` of a slice, as an array; a model always hands over as many as the effect has.
 #[inline(always)]

@@ -10,7 +10,7 @@ use crate::effects::{
 };
 use crate::isa;
 use crate::motion::{Channel, Load, Motion};
-use crate::scalar::{LANES, WIDE};
+use crate::scalar::{LANES, WIDE, Wide};
 use pulp::{NullaryFnOnce, Simd, WithSimd};
 use std::marker::PhantomData;
 
@@ -60,6 +60,10 @@ impl<E: CouplingEffect<N> + Sync, const N: usize> Law for Couples<E, N> {
     fn joint_carried(&self, p: &[D]) -> Option<Joint<D>> {
         Some(E::joint(&take(p)))
     }
+
+    fn joint_wide(&self, p: &[Wide]) -> Option<Joint<Wide>> {
+        Some(E::joint(&take(p)))
+    }
 }
 
 impl<E: LoadEffect<N> + Sync, const N: usize, const L: usize> Law for Loads<E, N, L> {
@@ -71,6 +75,10 @@ impl<E: LoadEffect<N> + Sync, const N: usize, const L: usize> Law for Loads<E, N
 
     fn load_carried(&self, p: &[D], _: &mut [D], motion: &Motion<D>, sum: &mut Load<D>) {
         isa::dispatch(Summed::<_, E, N>(p, motion, sum, PhantomData));
+    }
+
+    fn load_wide(&self, p: &[Wide], _: &mut [Wide], motion: &Motion<Wide>, sum: &mut Load<Wide>) {
+        isa::dispatch_wide(Summed::<_, E, N>(p, motion, sum, PhantomData));
     }
 
     fn total(&self, p: &[f64], _: &mut [f64], totals: &mut Totals<'_>) {
@@ -107,6 +115,10 @@ impl<E: MemoryEffect<N, S, M> + Sync, const N: usize, const S: usize, const M: u
 
     fn load_carried(&self, p: &[D], state: &mut [D], motion: &Motion<D>, sum: &mut Load<D>) {
         isa::dispatch(Recalled::<_, E, N, S, M>(p, state, motion, sum, PhantomData));
+    }
+
+    fn load_wide(&self, p: &[Wide], state: &mut [Wide], motion: &Motion<Wide>, sum: &mut Load<Wide>) {
+        isa::dispatch_wide(Recalled::<_, E, N, S, M>(p, state, motion, sum, PhantomData));
     }
 
     fn total(&self, p: &[f64], kept: &mut [f64], totals: &mut Totals<'_>) {
