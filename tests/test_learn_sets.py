@@ -10,6 +10,7 @@ from strata import Stratum
 
 import knobcam as kc
 from knobcam.learn import LearningResult
+from knobcam.learn.loosened import with_shapes
 
 
 def learnt(case: str, motion: str | None = None, every: int = 1) -> LearningResult:
@@ -106,3 +107,12 @@ def test_the_power_of_a_drag_that_is_not_fitted_stays() -> None:
     held = known.with_fixed("quadratic_drag.d")
     assert kc.learn(recorded(3, drag, count=6000), held).params["quadratic_drag.n"].held
     assert not kc.learn(recorded(3, drag, count=6000), known).params["quadratic_drag.n"].held
+
+
+def test_what_is_tied_is_as_little_known_beside_a_shape_that_is_held_as_what_it_is_tied_to() -> None:
+    knob = kc.hiding("knob4", "quadratic_drag", "directional_detent")
+    assert knob.params["directional_detent.P"].role == "detent.P"
+    fit = kc.fit(kc.simulate(knob, "sweep", duration_s=3.0, rate_hz=2000.0), knob)
+    wider = with_shapes(fit.params, fit)
+    tied, own = (wider[name].se for name in ("directional_detent.P", "detent.P"))
+    assert tied == pytest.approx(own) and own > fit.params["detent.P"].se > 0.0

@@ -55,10 +55,11 @@ def with_shapes(params: Mapping[str, Estimate], fit: Fit) -> Mapping[str, Estima
         trust = spread**2 / (spread**2 + shape.se**2)
         off = trust * shape.se**2 + (trust * (shape.value - fit.params[name].value)) ** 2
         for other, estimate in wider.items():
-            there = freer.params[other]
-            if other == name or not (estimate.determined and estimate.se and there.determined):
+            # What is tied goes as what it is tied to.
+            with_it = freer.correlation.get(other) or freer.correlation.get(freer.model.params[other].role)
+            if other == name or with_it is None or not (estimate.determined and estimate.se):
                 continue
-            slope = freer.correlation[other][name] * there.se / shape.se
+            slope = with_it[name] * freer.params[other].se / shape.se
             wider[other] = estimate.widened(slope**2 * off)
     return wider
 
