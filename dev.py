@@ -11,8 +11,7 @@ python3 dev.py docs               the documentation site, in site/html
 python3 dev.py page [--check]     the workbench's page; --check: are the committed files what is built?
 python3 dev.py browser            Chromium and what drives it, for the tests in a browser
 python3 dev.py setup              only the set-up: .venv, pinned dependencies, the extension
-python3 dev.py wheel [--all]      a source archive and a wheel from it in dist/; --all: for every processor;
-                                  --quick: as packed, but compiled in a hurry, in target/quick
+python3 dev.py wheel [--all]      a source archive and a wheel from it in dist/; --all: for every processor
 python3 dev.py lock [--upgrade]   bring the requirements-*.lock files to pyproject.toml; --upgrade: all to the
                                   newest; --check: are they what pyproject.toml asks for?
 """
@@ -20,7 +19,6 @@ python3 dev.py lock [--upgrade]   bring the requirements-*.lock files to pyproje
 from __future__ import annotations
 
 import base64
-import contextlib
 import hashlib
 import json
 import os
@@ -29,7 +27,6 @@ import shlex
 import shutil
 import subprocess
 import sys
-import tarfile
 import tempfile
 import zipfile
 from pathlib import Path
@@ -128,15 +125,11 @@ def setup(tools: str = "dev", profile: str = "develop") -> None:
     done("rust", rust)
 
 
-def library(
-    folder: Path, profile: str, sources: Path = ROOT, target: str = "", builder: str = "build"
-) -> None:
+def library(folder: Path, profile: str, target: str = "", builder: str = "build") -> None:
     """The render step for programs in C and for simulators, which `knobcam convert` hands out."""
-    what: list[str | Path] = ["--manifest-path", sources / "Cargo.toml", "--package", "knobstep"]
-    what += ["--target", target] if target else []
-    run("cargo", builder, "--profile", profile, "--locked", *what)
-    built = Path(os.environ.get("CARGO_TARGET_DIR", sources / "target")) / target.partition(".")[0]
-    built /= "debug" if profile == "dev" else profile  # its folder has the older name
+    only = ("--target", target) if target else ()
+    run("cargo", builder, "--profile", profile, "--locked", "--package", "knobstep", *only)
+    built = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / target.partition(".")[0] / profile
     folder.mkdir(exist_ok=True)
     for name in LIBRARIES:
         if (built / name).is_file():
@@ -149,34 +142,18 @@ def demo(options: list[str]) -> None:
     run(BIN / "knobcam", "demo", *options)
 
 
-def step_back() -> None:
-    """Take of the processors only what all others leave."""
-    os.nice(19)
-    with contextlib.suppress(AttributeError, OSError):  # a way of Linux, where one may
-        os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
-
-
 def test(options: list[str]) -> None:
-    """Rust first: it is the foundation. Its tests run without the bindings, which need a Python to link.
-
-    They compile beside those that mostly wait, and take only what these leave of the processors.
-    """
+    """Rust first: it is the foundation. Its tests run without the bindings, which need a Python to link."""
     setup()
-    rust = ("cargo", "test", "--profile", "develop", "--locked", "--workspace", "--exclude", "knobpy")
+    run("cargo", "test", "--profile", "develop", "--locked", "--workspace", "--exclude", "knobpy")
     if options:
-        run(*rust)
         run(PYTHON, "-m", "pytest", *options)
         return
-    behind = step_back if os.name == "posix" else None
-    with subprocess.Popen([*rust, "--no-run", "--quiet"], cwd=ROOT, preexec_fn=behind) as compiling:
-        run(PYTHON, "-m", "pytest", "-m", "alone")
-    if compiling.returncode:
-        sys.exit(compiling.returncode)
-    run(*rust)
     # A file is one worker's, so that what its tests share is made once. Where the benchmarks' tools are
     # installed, they would warn of every worker.
     beside = ("-n", "logical", "--maxprocesses", "8", "--dist", "loadfile", "-p", "no:benchmark")
     run(PYTHON, "-m", "pytest", "-m", "not alone", *beside)
+    run(PYTHON, "-m", "pytest", "-m", "alone")
 
 
 def orders(_: list[str]) -> None:
@@ -224,47 +201,39 @@ def bench(options: list[str]) -> None:
 
 
 def wheel(options: list[str]) -> None:
-    """One wheel for every Python from 3.11 on; pip builds it from the source archive, away from here.
-
-    A quick one shows that what is packed is complete and what it asks of a machine, and is for nobody's work.
-    """
+    """One wheel for every Python from 3.11 on; pip builds it from the source archive, away from here."""
     needs_cargo()
     install("requirements-wheel.lock")
-    quick = "--quick" in options
-    dist, profile = (ROOT / "target" / "quick", "dev") if quick else (ROOT / "dist", "release")
+    dist = ROOT / "dist"
     shutil.rmtree(dist, ignore_errors=True)
     run(BIN / "maturin", "sdist", "--out", dist)
-    archive = next(dist.glob("*.tar.gz"))
-    with tempfile.TemporaryDirectory() as place, tarfile.open(archive) as packed:
-        packed.extractall(place, filter="data")
-        sources = Path(place, archive.name.removesuffix(".tar.gz"))
-        build: list[str | Path] = [PYTHON, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation"]
-        build += [sources, "--wheel-dir", dist, "--config-settings"]
-        how = f"build-args=--locked --profile {profile}"
-        here = platform.machine()
-        if sys.platform != "linux" or here not in PROCESSORS:
-            run(*build, how)
-            add_library(next(dist.glob("*.whl")), profile, sources)
-            return
-        for processor in PROCESSORS if "--all" in options else (here,):
-            target = f"{processor}-unknown-linux-gnu"
-            if processor != here:
-                run("rustup", "target", "add", target)
-            run(*build, f"{how} --zig --compatibility {OLDEST} --target {target}")
-            made = next(dist.glob(f"*_{processor}.whl"))
-            glibc = OLDEST.removeprefix("manylinux_").replace("_", ".")
-            add_library(made, profile, sources, f"{target}.{glibc}", "zigbuild")
-            run(BIN / "abi3audit", "--strict", made)
-            found = json.loads(run(BIN / "auditwheel", "show", "--json", made, silent=True))["overall_tag"]
-            if found != f"{OLDEST}_{processor}":
-                sys.exit(f"dev.py: {made.name}: its symbols ask for {found}")
-            print(f"{made.relative_to(ROOT)}: {found}, {made.stat().st_size / 1e6:.1f} MB")
+    source = next(dist.glob("*.tar.gz"))
+    # Without the cache, from which pip would take the wheel of an earlier archive of this name.
+    build: list[str | Path] = [PYTHON, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation"]
+    build += ["--no-cache-dir", source, "--wheel-dir", dist, "--config-settings"]
+    here = platform.machine()
+    if sys.platform != "linux" or here not in PROCESSORS:
+        run(*build, "build-args=--locked")
+        add_library(next(dist.glob("*.whl")))
+        return
+    for processor in PROCESSORS if "--all" in options else (here,):
+        target = f"{processor}-unknown-linux-gnu"
+        if processor != here:
+            run("rustup", "target", "add", target)
+        run(*build, f"build-args=--locked --zig --compatibility {OLDEST} --target {target}")
+        made = next(dist.glob(f"*_{processor}.whl"))
+        add_library(made, f"{target}.{OLDEST.removeprefix('manylinux_').replace('_', '.')}", "zigbuild")
+        run(BIN / "abi3audit", "--strict", made)
+        found = json.loads(run(BIN / "auditwheel", "show", "--json", made, silent=True))["overall_tag"]
+        if found != f"{OLDEST}_{processor}":
+            sys.exit(f"dev.py: {made.name}: its symbols ask for {found}")
+        print(f"{made.relative_to(ROOT)}: {found}, {made.stat().st_size / 1e6:.1f} MB")
 
 
-def add_library(made: Path, profile: str, sources: Path, target: str = "", builder: str = "build") -> None:
+def add_library(made: Path, target: str = "", builder: str = "build") -> None:
     """Add the shared library of the render step to a wheel, and to the wheel's record."""
     with tempfile.TemporaryDirectory() as folder:
-        library(Path(folder), profile, sources, target, builder)
+        library(Path(folder), "release", target, builder)
         files = {f"knobcam/render/lib/{path.name}": path.read_bytes() for path in Path(folder).iterdir()}
     with zipfile.ZipFile(made) as old:
         files = {name: old.read(name) for name in old.namelist()} | {

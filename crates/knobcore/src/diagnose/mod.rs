@@ -12,6 +12,7 @@ mod implausible;
 mod locate;
 mod null;
 mod pairs;
+mod promise;
 mod rest;
 mod screen;
 mod sets;

@@ -6,7 +6,7 @@
 
 use super::thinned::Thinned;
 use super::watch::Watch;
-use crate::algebra::{dot, orthonormal, orthonormal_beside, project, subtract};
+use crate::algebra::{dot, orthonormal, orthonormal_beside};
 use crate::effects::{Id, Place, Survey, Wave};
 use crate::fit::{behind, beside_orders, glance, loads, runs, waves};
 use crate::model::{Model, Role, Slot};
@@ -27,11 +27,11 @@ pub struct Screen<'a> {
     pub data: &'a [&'a Signals],
     pub model: &'a Model,
     pub survey: Survey,
-    thinned: Thinned,
+    pub(super) thinned: Thinned,
     /// Derivative columns, thinned; an orthonormal base of them.
-    base: Vec<Vec<f64>>,
+    pub(super) base: Vec<Vec<f64>>,
     /// The residual, thinned.
-    residual: Vec<f64>,
+    pub(super) residual: Vec<f64>,
     /// Sum of squares of the whole residual, (N m)^2.
     pub squares: f64,
     /// Whether the model has a coupling.
@@ -168,18 +168,6 @@ impl<'a> Screen<'a> {
         (self.behind.iter().collect(), self.shown(model, Vec::new()).0)
     }
 
-    /// Models with an effect as starts, most promising first.
-    pub fn by_promise(&self, id: Id, models: Vec<Model>) -> Vec<Start> {
-        let mut starts: Vec<Start> = models
-            .into_iter()
-            .take_while(|_| self.watch.wanted())
-            .map(|model| Start { predicted: self.predicted(id, &model), model })
-            .filter(|start| start.predicted.is_finite())
-            .collect();
-        starts.sort_by_cached_key(|start| Ascending(start.predicted));
-        starts
-    }
-
     /// The model at a start. What changes the detents may belong to slower ones, of which those that the base
     /// model found are the harmonic.
     fn placed(&self, with: &Model, id: Id, values: &[f64]) -> Vec<Model> {
@@ -239,19 +227,6 @@ impl<'a> Screen<'a> {
             beside.iter().map(|direction| dot(&self.residual, direction)).collect()
         };
         evenly(&models, most).map(lean).collect()
-    }
-
-    fn predicted(&self, id: Id, model: &Model) -> f64 {
-        let (shown, own) = self.shown(model, self.brought(id, model));
-        let (columns, residual, _) = self.thinned.columns(&self.seen_by(id, model), &shown, &own);
-        let mut residual = if self.coupled { self.residual.clone() } else { residual };
-        let rows = residual.len();
-        project(&mut residual, &self.base, rows);
-        for direction in orthonormal_beside(&self.base, &columns, rows) {
-            subtract(&mut residual, &direction, rows);
-        }
-        // What thinning changes is in both.
-        self.squares - dot(&self.residual, &self.residual) + dot(&residual, &residual)
     }
 
     /// Parameters of a start whose columns an effect brings in: its own, what runs have apart, and where it has slower
