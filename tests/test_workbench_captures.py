@@ -106,5 +106,6 @@ def test_what_is_said_to_be_missing_is_not_said_to_be_needless_once_it_is_added(
     session.weigh()
     session.add("unbalance")
     session.weigh()
-    said = Said.of(state.document(session)["verdict"])
-    assert said.startswith("unbalance found") and "too little" not in said
+    page = state.document(session)
+    assert Said.of(page["concluded"]).startswith("unbalance found")
+    assert "too little" not in Said.of(page["verdict"])

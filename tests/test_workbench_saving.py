@@ -35,7 +35,7 @@ def test_a_model_a_report_and_pictures_are_saved(
     model = saving.save(session, "model", tmp_path / "knob.toml", quiet)
     assert kc.Model.load(model) == session.node.fit.model
     report = saving.save(session, "report", tmp_path / "report.html", quiet).read_text()
-    assert "return_spring was missing" in report
+    assert "Return spring was missing" in report
     pictures = saving.save(session, "figures", tmp_path / "figures.zip", quiet)
     with zipfile.ZipFile(pictures) as archive:
         saved = {name: archive.read(name) for name in archive.namelist()}

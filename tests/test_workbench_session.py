@@ -313,8 +313,8 @@ def test_an_effect_that_takes_off_no_more_than_chance_was_not_missing(weighed: S
         "stribeck was added, and it took off too little to have been missing."
     )
     weighed.weigh()
-    verdict = Said.of(told(weighed)["verdict"])
-    assert "return_spring was missing" in verdict and "stribeck was missing" not in verdict
+    concluded = Said.of(told(weighed)["concluded"])
+    assert "return_spring was missing" in concluded and "stribeck was missing" not in concluded
     assert saving.told(weighed, quiet).found == ("return_spring",)
     weighed.switch(next(iter(weighed.branches)))
 
