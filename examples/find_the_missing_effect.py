@@ -14,8 +14,8 @@ def main() -> None:
     knob = kc.Model.load("knob1").with_effect("stribeck")
     knob = knob.with_value("stribeck.rise", 1.5).with_value("stribeck.vs", 0.4)
     captures = [
-        kc.simulate(knob, motion, rate_hz=2000.0, seed=seed)
-        for seed, motion in enumerate(("sweep", "multisine"), 1)
+        kc.simulate(knob, "sweep", rate_hz=2000.0, seed=1),
+        kc.simulate(knob, "multisine", rate_hz=2000.0, seed=2),
     ]
 
     story = kc.learn(captures, progress=print)

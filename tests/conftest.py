@@ -16,8 +16,8 @@ from knobcam.workbench.bench import Bench
 signal.signal(signal.SIGINT, signal.default_int_handler)
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
-# What these are about takes the time that it takes only where no other test runs beside it. Who merely starts
-# processes or servers is not among them.
+# What these are about takes the time that it takes only where nothing else runs. Who merely starts processes
+# or servers is not among them.
 ALONE = ("browser", "faults", "loop", "rig_capture", "rig_emulator", "rig_faults", "rig_safety", "rig_trust")
 ALONE += ("workbench_patience", "workbench_sources")
 

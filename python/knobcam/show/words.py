@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..base.said import OfEffect, OfParam, Said
-from ..model.effects import titles
+from ..model.effects import effects
 
 _SHORT = {"N s^2/m": "kg", "N m s^2/rad": "kg m²", "1": ""}
 """Units with a shorter name; the radian is left out, as everybody does."""
@@ -11,7 +11,8 @@ _SHORT = {"N s^2/m": "kg", "N m s^2/rad": "kg m²", "1": ""}
 
 def effect_word(effect: str, coordinate: str) -> str:
     """Return an effect in two or three words; one that is nowhere catalogued by its id."""
-    return titles(coordinate).get(effect, effect)
+    known = effects(coordinate).get(effect)
+    return effect if known is None else known.title
 
 
 def param_word(name: str, coordinate: str) -> str:
@@ -23,6 +24,11 @@ def param_word(name: str, coordinate: str) -> str:
 def unit_word(unit: str) -> str:
     """Return a unit as a person writes it; nothing for what has none."""
     return _SHORT.get(unit, unit.replace("^2", "²").replace("^3", "³"))
+
+
+def p_word(p_value: float, digits: str) -> str:
+    """Return a p-value with so many digits; none below the least that the draws it was tried on can tell."""
+    return "p ≤ 0.001" if p_value <= 0.001 else f"p = {p_value:{digits}}"
 
 
 def worded(said: str, coordinate: str) -> str:

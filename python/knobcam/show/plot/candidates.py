@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..words import effect_word
+from ..words import effect_word, p_word
 from .style import BLACK, BLUE, GREY, ORANGE, Picture, legend_below, plain, styled
 from .torques import headline
 
@@ -94,8 +94,7 @@ def draw_candidates(axes: Axes, diagnosis: Diagnosis) -> None:
 
 
 def _words(one: Candidate) -> str:
-    # It was tried on so many draws: no chance that is less than one of them can be told.
-    said = "p ≤ 0.001" if one.p_value <= 0.001 else f"p = {one.p_value:.2g}"
+    said = p_word(one.p_value, ".2g")
     if one.implausible:
         said += "   implausible"
     return said

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from ...fit.doubts import at_floor
-from ..words import effect_word, sentence
+from ..words import effect_word, p_word, sentence
 from .style import (
     BLACK,
     BLUE,
@@ -91,7 +91,7 @@ def _step(axes: Axes, row: int, learned: LearningResult, scale: Scale) -> None:
     axes.plot([above.rmse * scale.factor] * 2, [row - 0.7, row + 0.3], color=GREY, lw=0.8)
     said = f"{number(-100.0 * step.error_fall)} %"
     if math.isfinite(step.p_value):
-        said += "   p ≤ 0.001" if step.p_value <= 0.001 else f"   p = {step.p_value:.3f}"
+        said += f"   {p_word(step.p_value, '.3f')}"
     if step.equivalent:
         others = [_word(name, learned) for name in step.equivalent]
         said += f"\nor {', '.join(others[:_NAMED])}" + (
