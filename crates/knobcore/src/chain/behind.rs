@@ -23,7 +23,7 @@ pub(super) fn loads(
     }
 }
 
-/// Torques on the shaft of at most [`WIDE`] sets of parameters, none of which is a user's own.
+/// Torques on the shaft of at most [`WIDE`](crate::scalar::WIDE) sets of parameters, none of which is a user's own.
 pub(super) fn side_by_side(
     model: &Model,
     sets: &[Vec<f64>],

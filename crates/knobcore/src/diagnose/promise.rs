@@ -3,7 +3,7 @@
 use super::screen::{Screen, Start};
 use crate::algebra::{dot, orthonormal_beside, project, subtract};
 use crate::effects::{Id, Place};
-use crate::model::Model;
+use crate::model::{Model, Slot};
 use crate::order::Ascending;
 use crate::scalar::WIDE;
 
@@ -26,8 +26,10 @@ impl Screen<'_> {
     /// The same of starts of joints, which bring no columns in: as many are simulated side by side as a register has
     /// lanes.
     fn joined(&self, models: &[Model]) -> Vec<f64> {
-        let names = |model: &Model| model.slots().iter().map(crate::model::Slot::name).collect::<Vec<_>>();
-        let alike = |a: &Model, b: &Model| a.shafts() == b.shafts() && names(a) == names(b);
+        let of = |slot: &Slot| (slot.effect, slot.param.name, slot.run.clone());
+        let alike = |a: &Model, b: &Model| {
+            a.shafts() == b.shafts() && a.slots().iter().map(of).eq(b.slots().iter().map(of))
+        };
         let side_by_side = models.chunk_by(alike).flat_map(|alike| alike.chunks(WIDE));
         let mut predicted = Vec::with_capacity(models.len());
         for few in side_by_side.take_while(|_| self.watch.wanted()) {

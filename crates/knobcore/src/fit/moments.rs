@@ -180,9 +180,7 @@ pub fn evaluate(
             let inner = chunk.inner();
             let (tau, weight) = (&signals.tau[chunk.core.clone()], &signals.weight[chunk.core.clone()]);
             let (model_torque, derivatives) = columns.split();
-            for ((f, tau), w) in model_torque[inner.clone()].iter_mut().zip(tau).zip(weight) {
-                *f = (tau - *f) * w;
-            }
+            leave(&mut model_torque[inner.clone()], tau, weight);
             // Eight at a time, which are compared side by side.
             if weight.chunks(8).any(|few| few.iter().fold(false, |any, w| any | (*w < 1.0))) {
                 for column in derivatives.iter_mut() {
@@ -198,6 +196,14 @@ pub fn evaluate(
     }
 }
 
+/// Makes the residual of a modelled torque, zero where a sample does not count.
+#[inline(always)]
+fn leave(modelled: &mut [f64], tau: &[f64], weight: &[f64]) {
+    for ((f, tau), w) in modelled.iter_mut().zip(tau).zip(weight) {
+        *f = (tau - *f) * w;
+    }
+}
+
 /// Passes over all captures with several sets of parameters: hands over a residual for each, chunk after chunk.
 pub fn residuals(data: &[&Signals], model: &Model, sets: &[Vec<f64>], mut visit: impl FnMut(&Evaluated<'_>)) {
     let mut columns = Vec::new();
@@ -205,11 +211,7 @@ pub fn residuals(data: &[&Signals], model: &Model, sets: &[Vec<f64>], mut visit:
         for chunk in signals.chunks(model.remembers()) {
             several(model, sets, signals, &chunk, &mut columns);
             let (tau, weight) = (&signals.tau[chunk.core.clone()], &signals.weight[chunk.core.clone()]);
-            for column in &mut columns {
-                for ((f, tau), w) in column[chunk.inner()].iter_mut().zip(tau).zip(weight) {
-                    *f = (tau - *f) * w;
-                }
-            }
+            columns.iter_mut().for_each(|column| leave(&mut column[chunk.inner()], tau, weight));
             let views: Vec<&[f64]> = columns.iter().map(|column| &column[chunk.inner()]).collect();
             visit(&Evaluated { capture, signals, chunk: &chunk, columns: &views });
         }

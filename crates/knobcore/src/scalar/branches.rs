@@ -28,7 +28,10 @@ pub trait Branches: Scalar {
     /// Itself times a number of which no derivative is known.
     fn scaled(self, by: Self::Value) -> Self;
     /// Itself over a constant.
-    fn over(self, by: f64) -> Self;
+    #[inline(always)]
+    fn over(self, by: f64) -> Self {
+        self / Self::of(by)
+    }
     /// The lanes where it is positive.
     fn positive(self) -> Self::Lanes;
     /// `yes` in these lanes, `no` in the others; derivatives follow the branch.
@@ -65,10 +68,6 @@ impl Branches for f64 {
     #[inline(always)]
     fn scaled(self, by: Self) -> Self {
         self * by
-    }
-    #[inline(always)]
-    fn over(self, by: f64) -> Self {
-        self / Self::of(by)
     }
     #[inline(always)]
     fn positive(self) -> bool {
@@ -140,10 +139,6 @@ impl<const L: usize> Branches for Packed<L> {
     #[inline(always)]
     fn scaled(self, by: Self) -> Self {
         self * by
-    }
-    #[inline(always)]
-    fn over(self, by: f64) -> Self {
-        self / Self::of(by)
     }
     #[inline(always)]
     fn positive(self) -> Mask<L> {
