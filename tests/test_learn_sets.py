@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hidden import Hidden, make
 from known import BASE
 from small import recorded
 from strata import Stratum
@@ -15,11 +16,15 @@ from knobcam.learn.loosened import with_shapes
 
 def learnt(case: str, motion: str | None = None, every: int = 1) -> LearningResult:
     """A search with `every` so many samples of the capture, where fewer show the same."""
-    hidden = Stratum.parse(case).make(motion).capture
+    return kc.learn(thinned(Stratum.parse(case).make(motion), every))
+
+
+def thinned(hidden: Hidden, every: int) -> kc.Capture:
     t, theta, omega, alpha, tau = (
-        hidden[name][::every] for name in ("t_s", "theta_rad", "omega_rad_s", "alpha_rad_s2", "tau_Nm")
+        hidden.capture[name][::every]
+        for name in ("t_s", "theta_rad", "omega_rad_s", "alpha_rad_s2", "tau_Nm")
     )
-    return kc.learn(kc.Capture.from_arrays(t=t, theta=theta, omega=omega, alpha=alpha, tau=tau))
+    return kc.Capture.from_arrays(t=t, theta=theta, omega=omega, alpha=alpha, tau=tau)
 
 
 def test_what_came_in_first_gives_way_to_the_two_that_it_stood_in_for() -> None:
@@ -60,6 +65,13 @@ def test_what_was_looked_for_in_the_error_of_another_is_looked_for_anew_beside_i
     story = learnt("pair/position_friction+friction_drift:3100", every=2)
     assert set(story.found) == {"position_friction", "friction_drift"}
     assert story.fit.rmse < 1.05 * story.noise_floor
+
+
+def test_stops_that_hid_which_detents_there_are_are_named_alone() -> None:
+    knob = make(1076, ["end_stop"], "multisine", 8.5)
+    story = kc.learn(thinned(knob, every=2))
+    assert (story.verdict, story.found) == ("missing", ("end_stop",))
+    assert story.params["detent.P"].value == pytest.approx(knob.knob["detent.P"], rel=0.01)
 
 
 def test_a_torque_that_is_late_is_not_ahead_too() -> None:

@@ -136,6 +136,12 @@ def test_a_slow_encoder_that_misses_none_is_not_said_to(motion: str) -> None:
         assert not [finding for finding in log.findings if finding.kind in ("missed", "jump", "spike")]
 
 
+def test_a_turn_that_is_slower_than_a_count_in_twenty_rows_is_no_count_that_was_missed() -> None:
+    slow = hidden.make(1082, ["torque_lag"], "hand", 3.0)
+    log = capture(FAULTS["16384 counts, angle only"][0].put(np.random.default_rng(0), slow.capture))
+    assert not [finding for finding in log.findings if finding.kind == "missed"]
+
+
 def test_a_slip_of_the_knob_itself_is_no_count_that_was_missed() -> None:
     for effects in (("backlash",), ("compliance",)):
         log = capture(knob("hand", effects, 10.0).capture)

@@ -5,14 +5,16 @@ What came in first may have stood in for two others, and what came in after it f
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from .. import _core
 from ..errors import InputError
-from ..fit.refit import add, converged, cores, gain
+from ..fit.refit import add, converged, cores, drop, gain
 from ..fit.rule import RULE
+from ..model.effects import base_effects_shown
 from .joined import climbed
 from .ladder import first_weighed
 
@@ -86,6 +88,28 @@ def anew(
         if again.rmse < (1.0 - _LOWER) * last.rmse:
             return replace(again, before=last.before)
     return None
+
+
+def with_detents(fit: Fit) -> Fit:
+    """Return the fit with detents where the data show them now, or with others where those end lower.
+
+    A stop that was not in the model yet may have hidden which detents there are.
+    """
+    if fit.model.period is None:
+        return _with_detents(fit) or fit
+    rows = fit.model.catalogue()
+    shown = base_effects_shown(fit.model.coordinate)
+    bound = any(rows[one].needs in shown or rows[one].place == "coupling" for one in fit.model.effects)
+    if bound or not (1.0 - _LOWER) * fit.rmse > fit.noise_floor:
+        return fit
+    found = _with_detents(functools.reduce(drop, (one for one in shown if one in fit.model.effects), fit))
+    lower = found is not None and found.rmse < (1.0 - _LOWER) * fit.rmse
+    return replace(found, before=fit.before) if found is not None and lower else fit
+
+
+def _with_detents(fit: Fit) -> Fit | None:
+    core = _core.fit(cores(fit), fit.core.model, True)
+    return converged(replace(fit, core=core)) if core.model.period is not None else None
 
 
 def _found(first: Fit, last: Fit) -> list[str]:

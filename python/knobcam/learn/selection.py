@@ -6,17 +6,16 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from .. import _core
 from ..base.said import said
 from ..capture.prepare import travel
 from ..fit.diagnose import Candidate, Diagnosis, absent, diagnose
 from ..fit.plausible import columns_at_fault
-from ..fit.refit import converged, cores, drop, gain, needed, needless, with_clipped
+from ..fit.refit import converged, drop, gain, needed, needless, with_clipped
 from ..fit.rule import RULE
 from ..fit.verdict import judged, within_law
 from ..model.effects import base_effects_shown, clipping, descriptions
 from .cut import Cut, Deadline, OutOfTime
-from .exchanged import anew, exchanged
+from .exchanged import anew, exchanged, with_detents
 from .joined import joined, rejoined
 from .joints import overlooked
 from .ladder import LearningStep, Unexplained, first_weighed
@@ -142,7 +141,7 @@ def _grown(
             continue
         tell(f"adding {best.effect}")
         richer = converged(best.fit)
-        if detents and richer.model.period is None:
+        if detents:
             richer = with_detents(richer)
         tell("re-testing the effects that came in before")
         came = {*(step.added for step in ladder), *shown}
@@ -248,12 +247,6 @@ def bent(diagnosis: Diagnosis) -> bool:
     best = diagnosis.best
     open_still = best is None or best.word == "part"
     return led is not None and led.place == "coupling" and led.word == "implausible" and open_still
-
-
-def with_detents(fit: Fit) -> Fit:
-    """Return the fit with detents where the data show them now."""
-    core = _core.fit(cores(fit), fit.core.model, True)
-    return converged(replace(fit, core=core)) if core.model.period is not None else fit
 
 
 def without_help(richer: Fit, candidate: Candidate, fit: Fit) -> Fit | None:

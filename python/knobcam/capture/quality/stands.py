@@ -167,7 +167,9 @@ def _joint(rows: FloatArray, values: FloatArray, some: list[Leap], reach: int) -
     factors, _, rank, _ = np.linalg.lstsq(design, level, rcond=None)
     if rank < design.shape[1]:
         return None
-    spread = np.sqrt(np.diag(np.linalg.inv(design.T @ design)))
+    # An angle that rests on a count for many rows says in all of them no more than in one.
+    told = 1 + int(np.count_nonzero(np.diff(level)))
+    spread = np.sqrt(np.diag(np.linalg.inv(design.T @ design)) * len(level) / told)
     squares = float(np.sum((level - design @ factors) ** 2))
     rms = math.sqrt(squares / (len(design) - design.shape[1]))
     goes_on = values[first] + np.column_stack(columns) @ factors
