@@ -24,8 +24,8 @@ from ..fit.rule import RULE
 from ..model.effects import base_effects_shown, descriptions, effects
 from ..model.own import forget_effect
 from ..model.own_law import free_name, own_law
+from .exchanged import with_detents
 from .left import Curve, Map, Need, drawn, mapped
-from .selection import with_detents
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
