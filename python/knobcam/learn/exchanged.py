@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from ..fit import Fit
     from ..fit.compare import Comparison
-    from ..fit.diagnose import Diagnosis
+    from ..fit.diagnose import Candidate, Diagnosis
     from .ladder import LearningStep
 
 _POOL = 7  # effects whose sets are weighed
@@ -52,18 +52,22 @@ def exchanged(
     ):
         return None
     pool = dict.fromkeys(found, last)
-    weighed = [one for step in ladder if step.diagnosis is not None for one in step.diagnosis.candidates]
-    for one in sorted(weighed, key=lambda one: -one.score):
-        fits = one.beyond_chance and not one.implausible and one.place != "coupling"
-        if fits and len(pool) < _POOL:
+    for one in _best_of_each(ladder):
+        if len(pool) < _POOL:
             pool.setdefault(one.effect, one.fit)
     models = [(one, fit.core.model) for one, fit in pool.items()]
     most = len(found) if after.complete else max(_MOST, len(found))
-    for names, core in _core.sets(cores(last), first.core.model, models, most, progress):
-        if set(names) == set(found):
-            return None
+    # As they are beside what came in: the first model may have taken other detents for it.
+    base = last.core.model.only([one for one in last.model.effects if one not in found])
+    least, behind = _score(last, first), False
+    for names, core in _core.sets(cores(last), base, models, most, progress):
+        behind |= set(names) == set(found)
+        fewer = len(names) < len(found)
+        if behind and not fewer:
+            continue
         fit = converged(replace(last, core=core, before=None))
-        if fit.impossible is None and _score(fit, first) > _score(last, first) + RULE.price:
+        # Of two that explain as much, to the price of a parameter, the one with fewer names is the cause.
+        if fit.impossible is None and _score(fit, first) > least + (-RULE.price if fewer else RULE.price):
             return _steps(fit, names, ladder[0], diagnosis)
     return None
 
@@ -118,6 +122,20 @@ def _found(first: Fit, last: Fit) -> list[str]:
     if any(rows[one].place == "coupling" for one in last.model.effects):
         return []
     return [one for one in last.model.effects if one not in first.model.effects]
+
+
+def _best_of_each(ladder: Sequence[LearningStep]) -> list[Candidate]:
+    """Return what could be missing by any step: the best of each first, then what came next there, and so on.
+
+    What an effect explains of the first error, and what of the one that others left, are not of one scale.
+    """
+    ranked: list[tuple[int, Candidate]] = []
+    for step in ladder:
+        weighed = step.diagnosis.candidates if step.diagnosis is not None else ()
+        could_be = (one for one in weighed if one.beyond_chance and not one.implausible)
+        loads = [one for one in could_be if one.place != "coupling"]
+        ranked += enumerate(sorted(loads, key=lambda one: -one.score))
+    return [one for _, one in sorted(ranked, key=lambda ranked: ranked[0])]
 
 
 def _score(fit: Fit, first: Fit) -> float:
