@@ -74,6 +74,19 @@ def test_a_row_that_repeats_the_one_before_is_masked(angle_alone: bool) -> None:
     assert finding.document()["rows"] == [[row + 1, row + 1] for row in at]
 
 
+def test_a_row_that_repeats_one_at_the_sensors_limit_stays_masked_where_those_are_counted() -> None:
+    columns = motion()
+    limit = 0.7 * np.abs(columns["tau"]).max()
+    columns["tau"] = np.clip(columns["tau"], -limit, limit)
+    at = np.flatnonzero((np.abs(columns["tau"]) == limit) & (np.abs(columns["omega"]) > 3.0))[10::300]
+    for values in (columns[name] for name in ("theta", "omega", "alpha", "tau")):
+        values[at] = values[at - 1]
+    at = at[np.abs(columns["tau"][at]) == limit]
+    assert at.size
+    counted = measured(columns).with_clipped()
+    assert not counted.mask[at].any() and counted.mask.mean() > 0.99
+
+
 def test_rows_that_are_lost_while_the_clock_counts_on_are_found_and_the_times_moved() -> None:
     columns = motion()
     at, lost = fast(columns, 5), (1, 2, 3, 1, 7)

@@ -185,12 +185,14 @@ class Capture(showing.Tabled):
 
     @property
     def at_limit(self) -> BoolArray:
-        """The samples that were masked because the torque sensor was at its limit."""
+        """The samples that were masked because the torque sensor was at its limit, and for nothing else."""
         if not self.clipped:
             return np.zeros(self.samples, dtype=np.bool_)
         finite: BoolArray = np.all([np.isfinite(values) for values in self.columns.values()], axis=0)
         limits = (self.tau[finite].max(), self.tau[finite].min())
-        return ~self.mask & finite & np.isin(self.tau, limits)
+        others = [one for one in self.findings if one.severity == "masked" and one.kind != "clipped"]
+        otherwise: BoolArray = np.any([self.named(one) for one in others], axis=0)
+        return ~self.mask & finite & np.isin(self.tau, limits) & ~otherwise
 
     @property
     def samples(self) -> int:

@@ -32,7 +32,7 @@ _LEAP = 5.0  # times the longest steps but for one in a thousand
 _RARE = 0.1  # of the rows that repeat, those that chance would make
 _ALONE = 0.5  # of the leap there and back, that the steps beside it may be off
 _COUNTS = 1.5  # of an encoder, beyond which a step is not what its neighbours let expect
-_FAST = 1.5  # counts a row, from which each row has another
+_FAST = 1.25  # counts a row, from which each row has another
 _FEW = 3  # rows that repeat, fewer than which tell nothing unless the angle itself does
 _WHOLE = 0.15  # a step of lost rows is a whole number of steps, to this share of one
 
