@@ -2,9 +2,9 @@
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
+from .compiled import njit
 from .loads import Loads, build_up, detent, level, push
 from .motions import Floats, Track
 from .rubbing import aged, bent, fresh, rubbed
@@ -42,7 +42,7 @@ def two_bodies(track: Track, p: Loads, contact: Contact, substeps: int = 40) -> 
     return (1.0 - contact.share) * p.inertia * track.alpha + held
 
 
-@numba.njit
+@njit
 def _held(e: float, de: float, contact: Contact) -> float:
     """Torque through the contact. Across a play the bodies push, and never pull, each other."""
     if contact.gap == 0.0:
@@ -54,7 +54,7 @@ def _held(e: float, de: float, contact: Contact) -> float:
     return 0.0
 
 
-@numba.njit
+@njit
 def _simulate(t, theta, omega, p, contact, substeps, sliding, memory):  # type: ignore[no-untyped-def]
     """Torque through the contact at each sample.
 
@@ -80,7 +80,7 @@ def _simulate(t, theta, omega, p, contact, substeps, sliding, memory):  # type: 
     return out
 
 
-@numba.njit
+@njit
 def slowed(t, x, v, drive, h, inertia, p, sliding, slips, memory):  # type: ignore[no-untyped-def]
     """Velocity after `h` seconds of a body that `drive` N m pushes and friction slows."""
     relative, pressed = level(t, x, v, p), p.mu * abs(detent(x, v, p))
@@ -101,7 +101,7 @@ def slowed(t, x, v, drive, h, inertia, p, sliding, slips, memory):  # type: igno
     return _braked(v, v + h * drive / inertia, h * neg / inertia, h * pos / inertia)
 
 
-@numba.njit
+@njit
 def _braked(before: float, free: float, neg: float, pos: float) -> float:
     """Velocity after friction that could change it by `neg` or `pos`, from what it were without."""
     if before > 0.0 or (before == 0.0 and free > 0.0):

@@ -5,10 +5,10 @@ The shaft moves as it is driven and the knob is simulated forward; no spring sta
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from .bodies import slowed
+from .compiled import njit
 from .loads import Loads, push
 from .motions import Floats, Track
 from .rubbing import fresh
@@ -57,7 +57,7 @@ def fly(track: Track, p: Loads, gap: Gap, start: tuple[float, float], substeps: 
     return flight
 
 
-@numba.njit
+@njit
 def _fly(t, theta, omega, alpha, p, gap, start, substeps, sliding, slips, memory, flight):  # type: ignore[no-untyped-def]
     inertia = gap.share * p.inertia
     x, v = start

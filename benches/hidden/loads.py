@@ -5,10 +5,10 @@ Friction is a level (N m) that may only oppose the motion; the rest depends on p
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 from numba.extending import register_jitable
 
+from .compiled import njit
 from .motions import Floats
 from .rubbing import Ageing, Bristles
 
@@ -112,7 +112,7 @@ def level(t, x, v, p):  # type: ignore[no-untyped-def]
     return relative * np.maximum(series, 0.0)
 
 
-@numba.njit
+@njit
 def build_up(theta, limit_neg, limit_pos, weights, distances, coulomb):  # type: ignore[no-untyped-def]
     """Friction of parallel Maxwell-slip elements (Al-Bender, Lampaert & Swevers 2005), at rest at first.
 

@@ -8,10 +8,10 @@ speed (Okubo & Dieterich 1986).
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 from scipy.special import ndtri
 
+from .compiled import njit
 from .motions import Floats
 
 EMPTY = np.zeros(0)
@@ -81,7 +81,7 @@ def fresh(bristles: Bristles, ageing: Ageing, omega: float) -> Memory:
     return memory
 
 
-@numba.njit
+@njit
 def bent(step, bristles, memory):  # type: ignore[no-untyped-def]
     """Move the surface by `step` rad; the mean strain of the bristles, weighted by their stiffness.
 
@@ -104,7 +104,7 @@ def bent(step, bristles, memory):  # type: ignore[no-untyped-def]
     return mean
 
 
-@numba.njit
+@njit
 def aged(speed, dt, ageing, memory):  # type: ignore[no-untyped-def]
     """Let the contact slide at `speed` for `dt`; its friction over Coulomb's, a magnitude.
 
@@ -122,7 +122,7 @@ def aged(speed, dt, ageing, memory):  # type: ignore[no-untyped-def]
     return ageing.direct * np.arcsinh(np.exp(exponent))
 
 
-@numba.njit
+@njit
 def rubbed(theta, omega, dt, neg, pos, bristles, ageing, sliding, memory):  # type: ignore[no-untyped-def]
     """Friction of a motion that is known, from its levels each way, N m."""
     torque = np.zeros(len(theta))
