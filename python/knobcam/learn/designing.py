@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 STANDARD = ("sweep", "multisine", "turns", "hand")
 """The motions that a designed one is held against."""
+SEARCH = "looking for the motion"
+"""What is said of the search, which is by far the longest."""
 _SEARCH_S = 5.0
 _CHANGE_S = 3.0  # for all limits that might be wider, together
 _KEPT = 5
@@ -56,6 +58,7 @@ def next_experiment(
     by_hand: bool = False,
     search_s: float = _SEARCH_S,
     seed: int = 0,
+    between: Callable[[], None] | None = None,
 ) -> Experiment:
     """Return the motion that would tell apart what was learned and what else it could be.
 
@@ -64,6 +67,7 @@ def next_experiment(
     makes a parameter known best, by default the widest. `limits` are by default what the captures reached,
     10 s long; the motion exceeds none of them for any rival. With `by_hand` it is one that a hand can make,
     without a motor. It is searched for `search_s` seconds; the same `seed` begins the same search.
+    `between` is called before each motion that is weighed; what it raises ends the search.
 
     Raises InputError for rivals that cannot be fitted and limits within which no motion is.
     """
@@ -72,9 +76,9 @@ def next_experiment(
     within = Limits.within(limits, story.fit.prepared)
     tell("fitting the rivals")
     found = contenders(story, rivals) if sharpen is None else ()
-    tell("looking for the motion")
+    tell(SEARCH)
     alone = (Rival(story.found, story.fit),)
-    designed = design(found or alone, within, sharpen, search_s, seed, by_hand=by_hand)
+    designed = design(found or alone, within, sharpen, search_s, seed, by_hand=by_hand, between=between)
     return replace(designed, took_s=time.monotonic() - begun)
 
 
@@ -86,13 +90,14 @@ def design(
     seed: int = 0,
     *,
     by_hand: bool = False,
+    between: Callable[[], None] | None = None,
 ) -> Experiment:
     """Return the motion that parts rivals, or of a single one makes a parameter known best; see above.
 
     A rival that asks for more torque than there is on any motion is left out where two others remain.
     """
     begun = time.monotonic()
-    search = _Design(Telling(rivals, seed), limits, sharpen, by_hand)
+    search = _Design(Telling(rivals, seed), limits, sharpen, by_hand, between)
     stuck = () if search.moves() else tuple(one for one in rivals if not search.of(one).moves())
     rest = tuple(one for one in rivals if one not in stuck)
     if stuck and len(rest) > 1:
@@ -120,6 +125,7 @@ class _Design:
     limits: Limits
     sharpen: str | None
     by_hand: bool = False
+    between: Callable[[], None] | None = None
 
     @cached_property
     def param(self) -> str | None:
@@ -244,6 +250,8 @@ class _Design:
         return _best(scored)
 
     def _score(self, pieces: tuple[Piece, ...], scored: list[_Scored]) -> None:
+        if self.between is not None:
+            self.between()
         if (made := self._runnable(pieces, draws=False)) is not None:
             told, score = self._told(made[1])
             if score > -math.inf:

@@ -13,7 +13,7 @@ from ..capture.by_hand import by_hand, hand_can
 from ..capture.motion_plan import MotionPlan
 from ..fit import fit
 from ..fit.rule import RULE
-from ..learn.designing import next_experiment
+from ..learn.designing import SEARCH, next_experiment
 from ..learn.limits import Limits
 from ..learn.telling import TOLD, Telling, wrong_choice
 from ..model import Model
@@ -190,7 +190,14 @@ def designed(
     """
     tell("fitting the rivals")
     within = Limits.reached(story.fit.prepared).with_some(limits)
-    found = next_experiment(story, rivals=rivals(story, names), limits=within, by_hand=by_hand, progress=tell)
+    found = next_experiment(
+        story,
+        rivals=rivals(story, names),
+        limits=within,
+        by_hand=by_hand,
+        progress=tell,
+        between=lambda: tell(SEARCH),  # a search that nobody wants any more would take the processors
+    )
     return _kept(found, node)
 
 
