@@ -184,7 +184,7 @@ def test_captures_of_one_knob_are_fitted_together_and_one_can_be_left_out(
 ):
     knob = kc.Model.load("knob4").with_effect("return_spring").with_value("return_spring.k", 0.004)
     session.add("return_spring")
-    other = session.take(kc.simulate(knob, "sweep", seed=7), "other")
+    other = session.take(kc.simulate(knob, "sweep", seed=7, rate_hz=1000.0), "other")
     assert len(session.node.fit.prepared) == 2
     assert "return_spring" in session.node.fit.model.effects
     session.use([other])
@@ -210,7 +210,7 @@ def test_work_that_is_given_up_between_rounds_changes_nothing(session: Session):
     for attempt in (
         lambda: session.add("return_spring", stop),
         lambda: session.drop("viscous", stop),
-        lambda: session.take(kc.simulate("knob4", seed=3), "other", tell=stop),
+        lambda: session.take(kc.simulate("knob4", seed=3, rate_hz=1000.0), "other", tell=stop),
     ):
         with pytest.raises(Cancelled):
             attempt()
@@ -278,7 +278,7 @@ def test_the_script_of_a_session_makes_the_same_model_to_the_last_bit(
     weighed: Session, tmp_path: Path, capsys
 ):
     knob = kc.Model.load("knob4").with_effect("return_spring").with_value("return_spring.k", 0.004)
-    second = kc.simulate(knob, "sweep", seed=7).save(tmp_path / 'a "quoted" name.npz')
+    second = kc.simulate(knob, "sweep", seed=7, rate_hz=1000.0).save(tmp_path / 'a "quoted" name.npz')
     weighed.fork("scripted")
     weighed.add("return_spring")
     weighed.add("quadratic_drag")

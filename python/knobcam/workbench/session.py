@@ -358,13 +358,13 @@ class Session:
 
     def share(self, capture: str, samples: Collection[int] | np.ndarray[Any, np.dtype[np.uint32]]) -> float:
         """Return the share of the squared error of all captures that these samples of one of them hold."""
-        view = self.view
-        at = self.place(view, capture)
+        at = self.place(view := self.view, capture)
         squares = [np.nan_to_num(view.squares(one), posinf=math.inf) for one in range(len(view.fit.prepared))]
         index = np.unique(np.asarray(samples, dtype=np.int64))
         if len(index) and not 0 <= index[0] <= index[-1] < len(squares[at]):
             raise InputError(f"indices must be from 0 to {len(squares[at]) - 1}")
-        whole = float(sum(np.sum(one) for one in squares))
+        with np.errstate(over="ignore"):  # of squares that are finite each
+            whole = float(sum(np.sum(one) for one in squares))
         return float(np.sum(squares[at][index])) / whole if 0.0 < whole < math.inf else 0.0
 
     # How it is done
