@@ -21,8 +21,8 @@ signal.signal(signal.SIGHUP, signal.SIG_DFL)
 ALONE = ("browser", "faults", "loop", "rig_capture", "rig_emulator", "rig_faults", "rig_safety", "rig_trust")
 ALONE += ("workbench_patience", "workbench_sources")
 
-# Of the captures that many tests share: they show the same as at 5 kHz, and a search costs less than half.
-RATE_HZ = 2000.0
+# Of the captures that many tests share: they show the same as at 5 kHz, and a search costs a fraction.
+RATE_HZ = 1000.0
 
 
 @pytest.hookimpl(tryfirst=True)

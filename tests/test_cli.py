@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import importlib
 import io
 import os
@@ -18,7 +19,8 @@ from command import knobcam, process, refused
 
 import knobcam as kc
 from knobcam import cli, show
-from knobcam.cli import command_parser
+from knobcam.cli import command_parser, demonstration
+from knobcam.show import report as page
 
 COMMANDS = ["import", "simulate", "fit", "compare", "diagnose", "add", "learn", "effects", "demo"]
 
@@ -227,7 +229,16 @@ def test_pictures_go_where_the_call_says(capture: Path, tmp_path: Path) -> None:
     refused(knobcam("fit", capture, "--plots", plots, "--format", "gif"), "--format", "svg")
 
 
-@pytest.mark.usefixtures("pictures")
+@pytest.fixture
+def short(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Demonstrations that cost a fraction: of half as long, without couplings and pictures in the report."""
+    monkeypatch.setattr(page, "figure", lambda drawn, caption: f"<figure>{caption}</figure>")
+    without = ("backlash", "compliance")
+    monkeypatch.setattr(demonstration, "learn", functools.partial(demonstration.learn, without=without))
+    monkeypatch.setattr(demonstration, "record", functools.partial(demonstration.record, duration_s=3.0))
+
+
+@pytest.mark.usefixtures("pictures", "short")
 def test_demo_leaves_capture_model_report_and_pictures_in_a_folder_that_it_names_and_records_again_into(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -244,7 +255,7 @@ def test_demo_leaves_capture_model_report_and_pictures_in_a_folder_that_it_names
     assert sorted(path.name for path in folder.iterdir()) == made
 
 
-@pytest.mark.usefixtures("pictures")
+@pytest.mark.usefixtures("pictures", "short")
 @pytest.mark.parametrize("knob", ["1", "3", "4", "5"])  # 2: above
 def test_demo_finds_what_it_hid_in_every_knob(knob: str, tmp_path: Path) -> None:
     document = knobcam("demo", "--knob", knob, "-o", tmp_path / "demo", "--json").document
@@ -255,7 +266,7 @@ def test_demo_finds_what_it_hid_in_every_knob(knob: str, tmp_path: Path) -> None
     assert all(Path(file).is_file() for file in files)
 
 
-@pytest.mark.usefixtures("pictures")
+@pytest.mark.usefixtures("pictures", "short")
 def test_demo_hides_the_effect_that_is_asked_for(tmp_path: Path) -> None:
     folder = tmp_path / "demo"
     document = knobcam(

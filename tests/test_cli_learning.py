@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import pytest
 from command import knobcam, process
+from matplotlib.figure import Figure
 
 import knobcam as kc
 from knobcam.learn import selection
+from knobcam.show import report
 
 
 @pytest.fixture(scope="module")
 def recorded(sprung: kc.Capture, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The same knob at the paper's rate, of which nothing is noted, and not for long."""
-    again = kc.simulate(kc.Model.parse(sprung.meta["model"]), "multisine", duration_s=1.5)
+    again = kc.simulate(kc.Model.parse(sprung.meta["model"]), "multisine", duration_s=1.2)
     return again.save(tmp_path_factory.mktemp("captures") / "sprung.npz")
 
 
@@ -69,12 +71,24 @@ def test_add_refits_with_the_effect_and_says_what_that_changed(
     assert "With return_spring: RMS error" in knobcam("add", "return_spring", recorded, base).out
 
 
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pictures that are made and then not painted, which takes seconds and is the business of other tests."""
+
+    def saved(figure: Figure, file: BinaryIO, **_: object) -> None:
+        file.write(b"\x89PNG")
+
+    monkeypatch.setattr(Figure, "savefig", saved)
+    monkeypatch.setattr(report, "figure", lambda drawn, caption: f"<figure>{caption}</figure>")
+
+
+@pytest.mark.usefixtures("undrawn")
 def test_learn_writes_report_model_and_pictures_and_names_them(recorded: Path, tmp_path: Path) -> None:
-    report, model, plots = tmp_path / "r.html", tmp_path / "m.toml", tmp_path / "plots"
-    ended = knobcam("learn", recorded, "--report", report, "-o", model, "--plots", plots)
+    written, model, plots = tmp_path / "r.html", tmp_path / "m.toml", tmp_path / "plots"
+    ended = knobcam("learn", recorded, "--report", written, "-o", model, "--plots", plots)
     assert ended.code == 0 and ended.err == ""
-    assert "was missing" in ended.out and f"report: {report}" in ended.out
-    assert report.read_text().startswith("<!DOCTYPE html>")
+    assert "was missing" in ended.out and f"report: {written}" in ended.out
+    assert written.read_text().startswith("<!DOCTYPE html>")
     assert {"return_spring", "position_polynomial"} & set(kc.Model.load(model).effects)
     assert (plots / "01-story.png").read_bytes().startswith(b"\x89PNG")
 
@@ -117,6 +131,7 @@ def test_every_command_on_captures_takes_several_and_lists_them(
         assert "return_spring" in (found["effect"], *found["equivalent"])
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_compare_simulates_forward_when_it_is_asked(recorded: Path, tmp_path: Path) -> None:
     call = ["compare", recorded, "knob4", "--forward", "--horizon", "0.05"]
     document = knobcam(*call, "--plots", tmp_path / "p", "--json").document

@@ -89,13 +89,13 @@ def test_a_model_that_does_not_say_what_it_was_fitted_to_leaves_that_open(
 
 def test_a_part_of_what_a_model_was_fitted_to_counts_as_another_capture(fit: kc.Fit) -> None:
     whole = fit.signals.capture
-    columns = {name: values[:8_000] for name, values in whole.columns.items()}
+    columns = {name: values[:4_000] for name, values in whole.columns.items()}
     assert fit.compare(kc.Capture.from_arrays(**columns)).held_out is True
 
 
 def test_masked_samples_are_in_no_figure(capture: kc.Capture) -> None:
     mask = capture.mask.copy()
-    mask[10_000:10_002] = False
+    mask[5_000:5_002] = False
     comparison = kc.fit(dataclasses.replace(capture, mask=mask)).compare()
     assert comparison.by_capture[0] == comparison.figures
     assert comparison.figures.rmse == pytest.approx(comparison.fit.rmse)

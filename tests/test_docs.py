@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import io
 import math
 import os
@@ -20,7 +21,9 @@ from command import knobcam
 
 import knobcam as kc
 from knobcam.fleet.limits import Limits as PartLimits
+from knobcam.learn import designing, learning
 from knobcam.rig.emulator import EmulatedRig
+from knobcam.show import batch_report, report
 
 ROOT = Path(__file__).resolve().parents[1]
 README = ROOT / "README.md"
@@ -188,11 +191,15 @@ def port(request: pytest.FixtureRequest, log: Path) -> Iterator[None]:
 
 
 SEARCHED: dict[Any, kc.LearningResult] = {}
+PROPOSED: dict[int, Any] = {}
 
 
 @pytest.fixture
 def searched_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What pages learn of the same samples, by the command, in Python or for a picture, is one search."""
+    """What pages learn of the same samples, by the command, in Python or for a picture, is one search.
+
+    So are the laws that are proposed for it.
+    """
     package = sys.modules["knobcam.learn"]
     search = package.learn
 
@@ -207,6 +214,19 @@ def searched_once(monkeypatch: pytest.MonkeyPatch) -> None:
             SEARCHED[asked] = search(loaded, model, progress=progress, **how)
         return SEARCHED[asked]
 
+    def proposing(story: kc.LearningResult, progress: Any = None) -> Any:
+        if story not in SEARCHED.values():  # of another the identity may come again
+            return propose(story, progress)
+        if id(story) not in PROPOSED:
+            PROPOSED[id(story)] = propose(story, progress)
+        return PROPOSED[id(story)]
+
+    propose = learning.propose
+    monkeypatch.setattr(learning, "propose", proposing)
+    # Of a motion it is the first ones that pages show, not how good the best is.
+    quick = functools.partial(designing.next_experiment, search_s=0.5)
+    monkeypatch.setattr(designing, "next_experiment", quick)
+    monkeypatch.setattr(designing, "_CHANGE_S", 0.5)
     monkeypatch.setattr(package, "learn", learn)
     monkeypatch.setattr(kc, "learn", learn)
 
@@ -216,7 +236,12 @@ def searched_once(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_every_snippet_of_a_page_runs_and_prints_what_is_shown(
     page: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    # The pictures that --plots makes are the business of other tests, and take seconds.
+    def undrawn(_: object, caption: str) -> str:
+        return f"<figure>{caption}</figure>"
+
+    # The pictures that --plots makes and those in reports are the business of other tests, and take seconds.
+    monkeypatch.setattr(report, "figure", undrawn)
+    monkeypatch.setattr(batch_report, "figure", undrawn)
     monkeypatch.setattr("knobcam.show.plot.save_all", lambda fit, folder, *_, **__: [folder / "fit.png"])
     run_page(page)
 
@@ -288,6 +313,12 @@ def test_every_picture_is_shown_by_a_page() -> None:
 def test_the_maker_of_the_pictures_says_so_where_the_data_are_absent(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    def simulate(*knob: Any, **how: Any) -> kc.Capture:
+        """Fewer samples than pictures have, but for those that a page has learned already."""
+        return whole(*knob, **({"rate_hz": 1000.0} if "duration_s" in how else {}) | how)
+
+    whole = kc.simulate
+    monkeypatch.setattr(kc, "simulate", simulate)
     monkeypatch.setenv("KNOBCAM_SHARED_DATA", str(tmp_path))
     maker = str(ROOT / "docs" / "make_pictures.py")
     monkeypatch.setattr(sys, "argv", [maker, str(tmp_path)])
@@ -301,6 +332,13 @@ def test_the_maker_of_the_pictures_says_so_where_the_data_are_absent(
 def test_every_example_runs(
     example: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    def simulate(*knob: Any, **how: Any) -> kc.Capture:
+        """Fewer samples than these examples take, which say the same."""
+        return whole(*knob, **how | {"rate_hz": 1000.0})
+
+    whole = kc.simulate
+    if example.name in ("find_the_missing_effect.py", "stiction_from_pushes.py"):
+        monkeypatch.setattr(kc, "simulate", simulate)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "argv", [str(example)])
     runpy.run_path(str(example), run_name="__main__")

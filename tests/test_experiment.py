@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from command import knobcam, refused
 
 import knobcam as kc
 from knobcam.capture.motion_plan import MotionPlan, Move, Rest, Waves
+from knobcam.learn import designing
 from knobcam.learn.designing import design
 from knobcam.learn.limits import Limits
 from knobcam.learn.motion_space import bank, changed, plan
@@ -104,7 +106,7 @@ def test_a_rival_that_no_torque_there_is_could_turn_is_left_out_and_said_to_be(
     (capture,) = weak.captures
     heavy = Rival(("offset",), kc.fit(dataclasses.replace(capture, tau=1000.0 * capture.tau)))
     others = (Rival((), weak.ladder[0].fit), Rival(("stribeck",), weak.ladder[0].fit.add("stribeck")))
-    limits = Limits.reached(weak.fit.prepared)
+    limits = dataclasses.replace(Limits.reached(weak.fit.prepared), duration_s=4.0)
     found = design((*others, heavy), limits, search_s=0.2)
     assert found.rivals == others and found.left_out == (heavy,)
     assert found.headline.endswith(
@@ -131,7 +133,7 @@ def test_what_is_expected_comes_true_on_the_motion_that_is_designed(weak: kc.Lea
 
 
 def test_no_rival_asks_for_more_than_the_limits(weak: kc.LearningResult) -> None:
-    limits = Limits(0.2, 3.0, 40.0, -0.3, 0.4, duration_s=3.0)
+    limits = Limits(0.2, 3.0, 40.0, -0.3, 0.4, duration_s=3.0, sample_rate_hz=1000.0)
     designed = kc.next_experiment(weak, rivals=["base", "stribeck"], limits=limits, search_s=1.0)
     assert limits.hold(designed.track)
     for rival in designed.rivals:
@@ -154,9 +156,12 @@ def test_a_parameter_is_known_better_after_the_motion_made_for_it(weak: kc.Learn
         kc.next_experiment(weak, sharpen="inertia.X", search_s=1.0)
 
 
-def test_the_command_prints_the_document_and_writes_the_motion(tmp_path: Path) -> None:
+def test_the_command_prints_the_document_and_writes_the_motion(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(designing, "next_experiment", partial(kc.next_experiment, search_s=0.5))
     capture, motion = tmp_path / "c.npz", tmp_path / "m.toml"
-    knobcam("simulate", "knob3", "--duration", "2", "-o", capture)
+    knobcam("simulate", "knob3", "--duration", "2", "--rate", "1000", "-o", capture)
     limits = tmp_path / "l.toml"
     limits.write_text("duration_s = 2.0\nomega_rad_s = 5.0\n", "utf-8")
     document = knobcam(
@@ -170,13 +175,17 @@ def test_the_command_prints_the_document_and_writes_the_motion(tmp_path: Path) -
     assert document["separable"] == (expected["D"] >= 10.8)
     theta = np.array(document["motion"]["theta"])
     assert len(theta) <= 2.0 * document["motion"]["sample_rate_hz"]
-    assert np.abs(np.gradient(theta)).max() * 5000.0 <= 5.0
+    assert np.abs(np.gradient(theta)).max() * 1000.0 <= 5.0
     assert document["peak"]["omega_rad_s"] <= 5.0
     hand = document["by_hand"]
-    assert sum(step["seconds"] for step in hand["steps"]) == pytest.approx(len(theta) / 5000.0, abs=2e-3)
-    assert hand["possible"] == all(step["cannot"] == "" for step in hand["steps"])
+    assert sum(step["seconds"] for step in hand["steps"]) == pytest.approx(len(theta) / 1000.0, abs=2e-3)
+    tempi = {step["beats_per_minute"] for step in hand["steps"]} - {0.0, None}
+    cannot = any(step["cannot"] for step in hand["steps"])
+    assert hand["possible"] == (not cannot and len(hand["steps"]) <= 12 and len(tempi) <= 1)
     assert (tmp_path / "p" / "experiment.png").stat().st_size > 10_000
-    again = knobcam("simulate", "knob3", "--motion", motion, "-o", tmp_path / "d.npz", "--json").document
+    again = knobcam(
+        "simulate", "knob3", "--motion", motion, "--rate", "1000", "-o", tmp_path / "d.npz", "--json"
+    ).document
     assert again["capture"]["samples"] == len(theta)
 
 

@@ -10,8 +10,8 @@ import knobcam as kc
 
 def with_noise(knob: kc.Model, memory: float, seed: int) -> kc.Capture:
     """A sweep whose torque has 1.8 mN m of noise, each sample keeping `memory` of the one before."""
-    clean = kc.simulate(knob, "sweep", seed=seed)
-    exact = kc.simulate(knob, "sweep", noise="none", seed=seed)
+    clean = kc.simulate(knob, "sweep", seed=seed, rate_hz=2000.0)
+    exact = kc.simulate(knob, "sweep", noise="none", seed=seed, rate_hz=2000.0)
     noise = np.random.default_rng(seed).standard_normal(clean.samples + 2000)
     for at in range(1, len(noise)):
         noise[at] = memory * noise[at - 1] + np.sqrt(1.0 - memory**2) * noise[at]

@@ -29,13 +29,13 @@ def humming() -> kc.Capture:
 
 
 def faultless() -> kc.Capture:
-    return kc.simulate("knob4", "sweep", seed=12, duration_s=2.0)
+    return kc.simulate("knob4", "sweep", seed=12, duration_s=2.0, rate_hz=1000.0)
 
 
 def dragging() -> kc.Capture:
     """A knob with one plain effect that is hidden."""
     knob = kc.Model.load("knob4").with_effect("quadratic_drag").with_value("quadratic_drag.d", 6e-4)
-    return kc.simulate(knob, "sweep", seed=13, duration_s=3.0)
+    return kc.simulate(knob, "sweep", seed=13, duration_s=3.0, rate_hz=1000.0)
 
 
 @pytest.fixture(scope="module", params=[humming, faultless, dragging], ids=lambda make: make.__name__)
@@ -114,7 +114,8 @@ def test_what_one_capture_shows_is_no_less_for_others_that_do_not() -> None:
     track = kc.motion("sweep", 3.0)
     smaller = kc.MotionTrack(track.t, *(0.3 * x for x in track[1:]))
     captures = [kc.simulate(spring, track, seed=5), *(kc.simulate(spring, smaller, seed=n) for n in (6, 7))]
-    learned = kc.learn(captures)
-    assert learned.found == kc.learn(captures[0]).found == ("return_spring",)
+    without = ["backlash", "compliance"]  # couplings take by far the longest
+    learned = kc.learn(captures, without=without)
+    assert learned.found == kc.learn(captures[0], without=without).found == ("return_spring",)
     before, after = (step.rmse for step in learned.ladder)
     assert 1.0 - (after / before) ** 2 < RULE.worth

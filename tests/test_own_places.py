@@ -61,9 +61,10 @@ def hidden(effect: str, values: dict[str, float]) -> kc.Model:
 def test_what_repeats_the_catalogue_makes_the_same_capture(
     own: str, catalogued: str, values: dict[str, float], more: dict[str, float], motion: str
 ) -> None:
-    mine = kc.simulate(hidden(own, values), motion, noise="none")
-    theirs = kc.simulate(hidden(catalogued, values | more), motion, noise="none")
-    plain = kc.simulate(KNOB, motion, noise="none")
+    made: Any = {"rate_hz": 1000.0, "noise": "none"}
+    mine = kc.simulate(hidden(own, values), motion, **made)
+    theirs = kc.simulate(hidden(catalogued, values | more), motion, **made)
+    plain = kc.simulate(KNOB, motion, **made)
     assert np.max(np.abs(mine.tau - theirs.tau)) < 1e-9
     assert np.max(np.abs(mine.theta - theirs.theta)) < 1e-9
     assert np.max(np.abs(mine.tau - plain.tau)) > 1e-4
@@ -73,7 +74,7 @@ def test_what_repeats_the_catalogue_makes_the_same_capture(
 def test_it_is_fitted_as_the_one_that_it_repeats(
     own: str, catalogued: str, values: dict[str, float], more: dict[str, float]
 ) -> None:
-    capture = kc.simulate(hidden(own, values), "sweep")
+    capture = kc.simulate(hidden(own, values), "sweep", rate_hz=2000.0)
     near = {name: 1.1 * value for name, value in values.items()}
     theirs = hidden(catalogued, near | more)
     for name in more:

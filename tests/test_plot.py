@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -293,11 +295,22 @@ def test_the_signature_of_viscosity_is_a_straight_line_over_velocity() -> None:
     np.testing.assert_allclose(tau, 1e3 * typical(kc.effects()["viscous"])["viscous.pos"] * omega, atol=1e-9)
 
 
-def test_save_all_writes_numbered_pictures_and_returns_their_paths(fit: kc.Fit, tmp_path: Path) -> None:
+def test_save_all_writes_numbered_pictures_and_returns_their_paths(
+    fit: kc.Fit, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     paths = plot.save_all(fit, tmp_path / "new" / "folder", fit.compare())
     assert [path.name[:3] for path in paths] == [f"{n:02d}-" for n in range(1, len(paths) + 1)]
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in paths)
     assert {"fit", "comparison", "scan"} <= {path.stem[3:] for path in paths}
+    # Of the other kind one is painted, which takes seconds, and the others are its copies.
+    paint, painted = Figure.savefig, io.BytesIO()
+
+    def copied(figure: Figure, file: Any, **how: Any) -> None:
+        if not painted.getvalue():
+            paint(figure, painted, **how)
+        file.write(painted.getvalue())
+
+    monkeypatch.setattr(Figure, "savefig", copied)
     drawn = plot.save_all(fit, tmp_path / "drawn", kind="svg")
     assert all(path.suffix == ".svg" and path.read_bytes().startswith(b"<?xml") for path in drawn)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from brake import braked_knob
 from command import knobcam, refused
 
 import knobcam as kc
+from knobcam.learn.proposals import Proposals
 from knobcam.workbench import surface
 
 COUPLINGS = ("backlash", "compliance")
@@ -27,10 +29,17 @@ def story(braked: kc.Capture) -> kc.LearningResult:
     return kc.learn(braked, without=COUPLINGS)
 
 
-def test_a_brake_that_has_no_name_is_proposed_by_its_law(story: kc.LearningResult) -> None:
-    assert story.verdict == "unexplained"
+@pytest.fixture(scope="module")
+def found(story: kc.LearningResult) -> Proposals:
     before = set(kc.effects())
-    found = story.propose()
+    proposals = story.propose()
+    # Nobody else's search knows of it.
+    assert set(kc.effects()) == before
+    return proposals
+
+
+def test_a_brake_that_has_no_name_is_proposed_by_its_law(story: kc.LearningResult, found: Proposals) -> None:
+    assert story.verdict == "unexplained"
     first = found.laws[0]
     assert first.variables == ("omega",) and found.p_value < 0.01
     omega = np.linspace(-4.0, 4.0, 801)
@@ -41,12 +50,9 @@ def test_a_brake_that_has_no_name_is_proposed_by_its_law(story: kc.LearningResul
     assert first.rmse_heldout < 1.03 * story.noise_floor
     low, high = first.params["w"].ci95
     assert low < 1.3 < high and first.params["w"].unit == "rad/s"
-    # Nobody else's search knows of it, and nothing was found.
-    assert set(kc.effects()) == before and story.verdict == "unexplained"
 
 
-def test_what_is_proposed_says_so_and_draws_itself(story: kc.LearningResult) -> None:
-    found = story.propose()
+def test_what_is_proposed_says_so_and_draws_itself(found: Proposals) -> None:
     said = repr(found)
     assert "proposed, not found" in said and f"--law '{found.laws[0].law}'" in said
     assert found.plot().axes
@@ -55,20 +61,22 @@ def test_what_is_proposed_says_so_and_draws_itself(story: kc.LearningResult) -> 
     assert complexities == sorted(complexities) and errors == sorted(errors, reverse=True)
 
 
-def test_who_takes_a_law_has_it_in_the_model(story: kc.LearningResult, tmp_path: Path) -> None:
-    taken = story.accept(story.propose(), 1, "eddy")
+def test_who_takes_a_law_has_it_in_the_model(
+    story: kc.LearningResult, found: Proposals, tmp_path: Path
+) -> None:
+    taken = story.accept(found, 1, "eddy")
     assert taken.found == ("eddy",) and taken.verdict == "missing"
     taken.model.save(tmp_path / "eddy.toml")
     kc.forget_effect("eddy")
     assert "eddy" in kc.Model.load(tmp_path / "eddy.toml").effects
     with pytest.raises(kc.InputError, match="no proposal has that number"):
-        story.accept(story.propose(), 99)
+        story.accept(found, 99)
 
 
 def test_what_is_printed_is_what_the_command_line_adds(
-    braked: kc.Capture, story: kc.LearningResult, tmp_path: Path
+    braked: kc.Capture, story: kc.LearningResult, found: Proposals, tmp_path: Path
 ) -> None:
-    first = story.propose().laws[0]
+    first = found.laws[0]
     braked.save(tmp_path / "log.npz")
     story.ladder[0].fit.model.save(tmp_path / "base.toml")
     guess = [f"{name}={value}" for name, value in first.start.items()]
@@ -82,8 +90,8 @@ def test_what_is_printed_is_what_the_command_line_adds(
 
 
 def test_where_no_formula_fits_the_curve_itself_is_a_law(tmp_path: Path) -> None:
-    plain = kc.simulate("knob4", "sweep", duration_s=5.0, seed=3)
-    motion = kc.motion("sweep", 5.0)
+    plain = kc.simulate("knob4", "sweep", duration_s=5.0, rate_hz=3000.0, seed=3)
+    motion = kc.motion("sweep", 5.0, 3000.0)
     pads = ((3.0, -0.8, 0.12), (1.5, -0.35, 0.1), (3.5, 0.35, 0.1), (2.0, 0.8, 0.15))
     drag = sum(1e-3 * high * np.exp(-(((motion.theta - at) / wide) ** 2)) for high, at, wide in pads)
     worn = dataclasses.replace(plain, tau=plain.tau + drag * motion.omega)
@@ -101,7 +109,8 @@ def test_where_no_formula_fits_the_curve_itself_is_a_law(tmp_path: Path) -> None
     kc.forget_effect("worn")
     # What another session reads from the file is the drag that was there, and can be felt.
     model = kc.Model.load(tmp_path / "worn.toml")
-    learned, clean = (kc.simulate(one, "sweep", duration_s=5.0, noise="none") for one in (model, "knob4"))
+    clear: Any = {"duration_s": 5.0, "rate_hz": 3000.0, "noise": "none"}
+    learned, clean = (kc.simulate(one, "sweep", **clear) for one in (model, "knob4"))
     off = learned.tau - clean.tau - drag * motion.omega
     assert np.sqrt(np.mean(off**2)) < 0.3 * story.noise_floor
     hand = kc.Renderer(model, 5000.0)
@@ -109,14 +118,14 @@ def test_where_no_formula_fits_the_curve_itself_is_a_law(tmp_path: Path) -> None
 
 
 def test_nothing_is_proposed_for_a_knob_of_which_nothing_is_missing() -> None:
-    story = kc.learn(kc.simulate("knob4", "sweep", duration_s=3.0, seed=5), without=COUPLINGS)
+    story = kc.learn(kc.simulate("knob4", "sweep", duration_s=3.0, rate_hz=1000.0, seed=5), without=COUPLINGS)
     found = story.propose()
     assert found.laws == () and "No law is proposed" in repr(found)
 
 
 def test_where_a_name_explains_it_the_name_comes_first() -> None:
     knob = kc.Model.load("knob4").with_effect("quadratic_drag").with_value("quadratic_drag.d", 5e-4)
-    story = kc.learn(kc.simulate(knob, "sweep", duration_s=3.0, seed=6), without=COUPLINGS)
+    story = kc.learn(kc.simulate(knob, "sweep", duration_s=3.0, rate_hz=2000.0, seed=6), without=COUPLINGS)
     assert story.found == ("quadratic_drag",)
     assert story.propose().laws == ()
 
@@ -134,8 +143,8 @@ def test_options_of_proposals_without_them_are_refused() -> None:
 
 
 def test_a_power_with_an_exponent_of_its_own_is_proposed_and_kept_with_its_speed_held(tmp_path: Path) -> None:
-    plain = kc.simulate("knob4", "sweep", duration_s=5.0, seed=3)
-    omega = kc.motion("sweep", 5.0).omega
+    plain = kc.simulate("knob4", "sweep", duration_s=5.0, rate_hz=1000.0, seed=3)
+    omega = kc.motion("sweep", 5.0, 1000.0).omega
     film = 0.02 * np.sign(omega) * (np.abs(omega) / 3.0) ** 0.4
     thinned = dataclasses.replace(plain, tau=plain.tau + film)
     story = kc.learn(thinned, without=COUPLINGS)
@@ -145,7 +154,7 @@ def test_a_power_with_an_exponent_of_its_own_is_proposed_and_kept_with_its_speed
     low, high = first.params["n"].ci95
     assert low < 0.4 < high and high - low < 0.2
     assert first.params["w"].held and first.params["w"].interval == "fixed" and "w=" in first.guess
-    assert first.rmse_heldout < 1.03 * story.noise_floor
+    assert first.rmse_heldout < 1.05 * story.noise_floor
     taken = story.accept(found, 1, "film")
     taken.model.save(tmp_path / "film.toml")
     kc.forget_effect("film")
@@ -158,8 +167,8 @@ def test_a_power_with_an_exponent_of_its_own_is_proposed_and_kept_with_its_speed
 
 
 def test_what_is_left_over_two_variables_is_ranked_mapped_and_kept() -> None:
-    plain = kc.simulate("knob4", "multisine", duration_s=5.0, seed=3)
-    motion = kc.motion("multisine", 5.0)
+    plain = kc.simulate("knob4", "multisine", duration_s=5.0, rate_hz=2000.0, seed=3)
+    motion = kc.motion("multisine", 5.0, 2000.0)
     theta, omega = (column / np.quantile(np.abs(column), 0.9) for column in (motion.theta, motion.omega))
     places = ((0.015, -0.5, 0.6), (-0.015, 0.5, 0.1), (0.015, 0.1, -0.7))
     relief = sum(

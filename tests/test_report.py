@@ -125,8 +125,20 @@ def test_a_report_has_light_dark_and_paper(page: str) -> None:
     assert "prefers-color-scheme: dark" in page and "@media print" in page
 
 
-def test_hostile_names_are_printed_and_never_interpreted(capture: kc.Capture) -> None:
-    named = dataclasses.replace(capture, meta={"source": HOSTILE})
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Reports in which only the words are as they are: pictures take seconds."""
+    monkeypatch.setattr(report, "figure", lambda drawn, caption: f"<figure>{caption}</figure>")
+
+
+@pytest.fixture(scope="module")
+def brief() -> kc.Capture:
+    """Of a knob with nothing missing, for what is asked of any report."""
+    return kc.simulate("knob4", "sweep", duration_s=1.5, rate_hz=1000.0)
+
+
+def test_hostile_names_are_printed_and_never_interpreted(brief: kc.Capture) -> None:
+    named = dataclasses.replace(brief, meta={"source": HOSTILE})
     text = report.html(kc.learn(named))
     parsed = Page(text)
     assert parsed.tags.count("script") == 2
@@ -135,8 +147,9 @@ def test_hostile_names_are_printed_and_never_interpreted(capture: kc.Capture) ->
     assert parsed.tags.count("h1") == 1
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_report_says_what_a_capture_cannot_tell_and_what_is_unexplained() -> None:
-    story = kc.learn(kc.simulate(kc.Model.load("knob4"), "micro", duration_s=2.0))
+    story = kc.learn(kc.simulate(kc.Model.load("knob4"), "micro", duration_s=2.0, rate_hz=1000.0))
     assert story.limitations
     text = Page(report.html(story)).text
     assert all(one.message in text and one.record in text for one in story.limitations)
@@ -148,10 +161,11 @@ def test_a_report_says_what_a_capture_cannot_tell_and_what_is_unexplained() -> N
     )
 
 
-def test_a_report_says_the_name_of_a_file_and_not_where_it_lies(capture: kc.Capture, tmp_path: Path) -> None:
+@pytest.mark.usefixtures("undrawn")
+def test_a_report_says_the_name_of_a_file_and_not_where_it_lies(brief: kc.Capture, tmp_path: Path) -> None:
     np.savetxt(
         tmp_path / "knob.csv",
-        np.column_stack([capture.t, capture.theta, capture.tau]),
+        np.column_stack([brief.t, brief.theta, brief.tau]),
         **{"delimiter": ",", "header": "t_s,theta_rad,tau_Nm", "comments": ""},
     )
     text = report.html(kc.learn(tmp_path / "knob.csv"))
@@ -163,7 +177,10 @@ def test_the_same_story_gives_the_same_report(story: kc.LearningResult, page: st
     assert report.html(story) == page
 
 
-def test_a_report_appears_whole_at_its_path(story: kc.LearningResult, page: str, tmp_path: Path) -> None:
+def test_a_report_appears_whole_at_its_path(
+    story: kc.LearningResult, page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(report, "html", lambda told: page if told is story else "")
     path = story.report(tmp_path / "knob.html")
     assert path.read_text("utf-8") == page
     assert [one.name for one in tmp_path.iterdir()] == ["knob.html"]

@@ -119,11 +119,13 @@ def test_the_script_of_a_session_makes_the_law_again(braked: kc.Capture, tmp_pat
     assert told["fit"].rmse == pytest.approx(session.node.fit.rmse, rel=1e-9)
 
 
-def test_where_an_effect_explains_as_much_none_is_proposed(opened: httpx.Client) -> None:
-    opened.post("/api/propose", json={})
-    told = state(opened)
+def test_where_an_effect_explains_as_much_none_is_proposed(client: httpx.Client, bench: Bench) -> None:
+    knob = kc.Model.load("knob4").with_effect("return_spring").with_value("return_spring.k", 0.004)
+    bench.session.take(kc.simulate(knob, "sweep", rate_hz=2000.0), "sprung")
+    client.post("/api/propose", json={})
+    told = state(client)
     assert told["proposed"] == [] and "No law is proposed" in Said.of(told["proposed_said"])
-    wrong(opened.post("/api/accept", json={"number": 1}), 400, "no proposal has that number")
+    wrong(client.post("/api/accept", json={"number": 1}), 400, "no proposal has that number")
 
 
 def test_what_cannot_be_taken_is_refused_and_changes_nothing(asked: httpx.Client) -> None:
