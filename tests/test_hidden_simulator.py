@@ -63,7 +63,7 @@ def test_the_strength_is_what_the_base_model_leaves(effect: str) -> None:
 
 @pytest.mark.parametrize("effect", hidden.KINDS)
 def test_every_kind_can_be_hidden_and_makes_a_difference(effect: str) -> None:
-    knob = hidden.make(11, [effect], strength=1.5)
+    knob = hidden.make(11, [effect], strength=1.5, duration_s=2.0)
     assert knob.effects == (effect,)
     assert knob.strength == pytest.approx(1.5, rel=0.05)
     assert all(np.isfinite(column).all() for column in knob.capture.values())
