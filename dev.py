@@ -7,7 +7,7 @@ python3 dev.py lint               formatting, clippy, ruff, types, the order of 
 python3 dev.py check              lint, then test
 python3 dev.py orders             every order in which recorder and host can meet (loom)
 python3 dev.py bench [OPTION...]  the benchmarks against their peers; --quick: each once, untimed
-python3 dev.py docs               the documentation site, in site/html, and its tests
+python3 dev.py docs               the documentation site, in site/html
 python3 dev.py page [--check]     the workbench's page; --check: are the committed files what is built?
 python3 dev.py browser            Chromium and what drives it, for the tests in a browser
 python3 dev.py setup              only the set-up: .venv, pinned dependencies, the extension
@@ -152,8 +152,7 @@ def test(options: list[str]) -> None:
     # A file is one worker's, so that what its tests share is made once. Where the benchmarks' tools are
     # installed, they would warn of every worker.
     beside = ("-n", "logical", "--maxprocesses", "8", "--dist", "loadfile", "-p", "no:benchmark")
-    # The site is made once, where its tests are: see docs.
-    run(PYTHON, "-m", "pytest", "-m", "not alone and not site", *beside)
+    run(PYTHON, "-m", "pytest", "-m", "not alone", *beside)
     run(PYTHON, "-m", "pytest", "-m", "alone")
 
 
@@ -252,14 +251,9 @@ def add_library(made: Path, target: str = "", builder: str = "build") -> None:
 
 
 def docs(_: list[str]) -> None:
-    """The site, from docs/ and from what the installed package says of itself; it opens from disk.
-
-    Its tests look at the one that is made here; by themselves they make one.
-    """
+    """The site, from docs/ and from what the installed package says of itself; it opens from disk."""
     setup()
     run(PYTHON, "docs/site/build.py")
-    os.environ["KNOBCAM_SITE"] = "made"
-    run(PYTHON, "-m", "pytest", "-m", "site", "-p", "no:benchmark", "tests/test_docs_site.py")
 
 
 def npm() -> None:

@@ -11,6 +11,7 @@ from strata import Stratum
 
 import knobcam as kc
 from knobcam.learn import LearningResult
+from knobcam.learn.exchanged import straightened
 from knobcam.learn.loosened import with_shapes
 
 COUPLINGS = ("backlash", "compliance")
@@ -70,6 +71,18 @@ def test_what_was_looked_for_in_the_error_of_another_is_looked_for_anew_beside_i
     story = learnt("pair/position_friction+friction_drift:3100", every=5)
     assert set(story.found) == {"position_friction", "friction_drift"}
     assert story.fit.rmse < 1.05 * story.noise_floor
+
+
+def test_what_is_bent_by_another_that_is_missing_is_looked_for_anew_beside_it() -> None:
+    knob = Stratum.parse("pair/quadratic_drag+position_friction:88440").make("chirp")
+    fit = kc.fit(thinned(knob, every=3))
+    diagnosis = fit.diagnose(without=["backlash", "compliance"])
+    led = max(diagnosis.candidates, key=lambda one: one.score)
+    assert led.effect == "position_friction" and led.implausible
+    steps = straightened(diagnosis, lambda _: None)
+    assert steps is not None
+    assert [step.added for step in steps] == ["quadratic_drag", "position_friction"]
+    assert steps[-1].rmse < 1.05 * fit.noise_floor
 
 
 def test_stops_that_hid_which_detents_there_are_are_named_alone() -> None:

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 
 from .. import _core
 from ..errors import InputError
+from ..fit.doubts import at_floor
+from ..fit.plausible import implausible
 from ..fit.refit import add, converged, cores, drop, gain
 from ..fit.rule import RULE
 from ..model.effects import base_effects_shown
@@ -91,6 +93,32 @@ def anew(
             continue  # it does not go with the others
         if again.rmse < (1.0 - _LOWER) * last.rmse:
             return replace(again, before=last.before)
+    return None
+
+
+def straightened(diagnosis: Diagnosis, progress: Callable[[float], object]) -> list[LearningStep] | None:
+    """Return the steps to an effect that was bent by another that is missing beside it, and to that other.
+
+    Waves of friction over position are a trend where a drag is missing too. What leads by far, but not by its
+    values, is looked for anew beside each of the next; None where none of them leaves chance with it.
+    """
+    fit = diagnosis.fit
+    could = sorted((one for one in diagnosis.candidates if one.beyond_chance), key=lambda one: -one.score)
+    if not could or could[0].place == "coupling" or not could[0].implausible:
+        return None
+    led = could[0]
+    if led.fit.excess > RULE.pair_leaves * fit.excess:
+        return None
+    beside = [one for one in could if one.place != "coupling" and not one.implausible]
+    for one in beside[:_MOST]:
+        alone = replace(converged(one.fit), before=fit)
+        try:
+            both = add(alone, led.effect, progress)
+        except InputError:
+            continue  # it does not go with the other
+        fits = at_floor(both) and both.impossible is None
+        if fits and not implausible(replace(led, fit=replace(both, before=alone)), alone):
+            return climbed(both, [one.effect, led.effect], fit, diagnosis)
     return None
 
 

@@ -15,7 +15,7 @@ from ..fit.rule import RULE
 from ..fit.verdict import judged, within_law
 from ..model.effects import base_effects_shown, clipping, descriptions
 from .cut import Cut, Deadline, OutOfTime
-from .exchanged import anew, exchanged, with_detents
+from .exchanged import anew, exchanged, straightened, with_detents
 from .joined import joined, rejoined
 from .joints import overlooked
 from .ladder import LearningStep, Unexplained, first_weighed
@@ -115,6 +115,9 @@ def _grown(
             tell("weighing what came in against other sets")
             if (lower := anew(ladder, diagnosis.comparison, deadline)) is not None:
                 ladder[-1] = replace(ladder[-1], fit=lower)
+                continue
+            if (steps := straightened(diagnosis, deadline)) is not None:
+                ladder += steps
                 continue
             sets = True
             if (steps := exchanged(ladder, diagnosis.comparison, deadline)) is not None:
