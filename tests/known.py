@@ -36,7 +36,8 @@ class Known:
 
     @property
     def core(self) -> Any:
-        return SimpleNamespace(free=self.effects, model=None, worth=lambda effect: 0.0)
+        model = SimpleNamespace(only=lambda effects: effects)
+        return SimpleNamespace(free=self.effects, model=model, worth=lambda effect: 0.0)
 
     @property
     def model(self) -> Any:
@@ -70,9 +71,14 @@ def comparison(complete: bool, *splits: Any, floor: float = FLOOR) -> Any:
 
 def split(axis: str, share: float) -> Any:
     region = SimpleNamespace(start=10.0, end=14.0)
-    return SimpleNamespace(
-        axis=axis, share=share, mean_share=1.0 - share, regions=(region,), where=lambda: "there"
-    )
+    of_axis = {
+        "axis": axis,
+        "share": share,
+        "mean_share": 1.0 - share,
+        "regions": (region,),
+        "fails": share > 0.05,
+    }
+    return SimpleNamespace(**of_axis, where=lambda: "there")
 
 
 def climbed(*steps: tuple[str, float], **last: Any) -> list[LearningStep]:

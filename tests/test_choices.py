@@ -92,6 +92,8 @@ def test_what_came_in_is_named_and_what_is_left_is_said(monkeypatch: pytest.Monk
     # What is left has its axis; of what came in only what took off the most part of it is named then.
     found, left = named(climbed(("stribeck", 3.0), ("quadratic_drag", 2.9)), open_)
     assert found == ("stribeck",) and left == Unexplained("velocity", 0.3, "worst at there")
+    nowhere = comparison(False, split("velocity", 0.05), split("time", 0.02))
+    assert named(climbed(("stribeck", 3.0)), nowhere)[1].hint == "it shows on no axis alone"
     rhythm = comparison(False, split("frequency", 0.3), split("time", 0.2))
     assert named(climbed(("stribeck", 3.0)), rhythm)[1] == Unexplained("time", 0.3, "a line at 12.0 Hz")
     deaf = comparison(False, split("velocity", 0.3), split("time", 0.2), floor=math.nan)

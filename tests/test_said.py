@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from known import BASE, Known, climbed, comparison, estimate
+from known import BASE, SAMPLES, Known, climbed, comparison, estimate
 
 import knobcam as kc
 from knobcam.base.said import Said
@@ -17,6 +17,7 @@ from knobcam.fit import forward, refit
 from knobcam.fit.beyond import Beyond
 from knobcam.fit.diagnose import Candidate, Diagnosis, absent, p_in_words
 from knobcam.fit.estimate import Z95
+from knobcam.fit.rule import RULE
 from knobcam.fit.stiction import Stiction, _estimate
 from knobcam.learn import exchanged, limitations
 from knobcam.learn.cut import Cut
@@ -366,6 +367,11 @@ def test_sets_are_weighed_of_what_came_in_and_of_the_best_that_did_not(monkeypat
     # What explains as much, but for less than its parameters' price, is no better.
     price = Known(math.sqrt(1.5**2 - 1e-3), (*BASE, "unbalance", "stribeck"))
     assert of([(better[0], price)], False, *two) is None
+    # Of one name that explains as much, to the price of a parameter, it is the other way round.
+    for left, taken in ((0.5, True), (1.5, False)):
+        off = (1.0 + left) * RULE.price / SAMPLES  # it has a parameter less
+        alone = (["unbalance"], Known(math.sqrt(1.5**2 + off), (*BASE, "unbalance")))
+        assert (of([(list(two), Known(1.5)), alone], False, *two) is not None) == taken
 
 
 def test_what_could_be_in_the_place_of_a_name_is_said_with_it_unless_it_came_in_too():

@@ -121,7 +121,7 @@ def test_the_script_of_a_session_makes_the_law_again(braked: kc.Capture, tmp_pat
 
 def test_where_an_effect_explains_as_much_none_is_proposed(client: httpx.Client, bench: Bench) -> None:
     knob = kc.Model.load("knob4").with_effect("return_spring").with_value("return_spring.k", 0.004)
-    bench.session.take(kc.simulate(knob, "sweep", rate_hz=2000.0), "sprung")
+    bench.session.take(kc.simulate(knob, "sweep", rate_hz=1000.0), "sprung")
     client.post("/api/propose", json={})
     told = state(client)
     assert told["proposed"] == [] and "No law is proposed" in Said.of(told["proposed_said"])

@@ -364,7 +364,8 @@ def _named(story: LearningResult, fit: Fit, law: Proposal) -> str | None:
     came = gain(weighed.fit, fit, fit)
     # A law that leaves noise alone shows what a name is off by: either may be by as much as a textbook's.
     share = (2.0 * RULE.law) ** 2 if at_floor(law.fit) else RULE.relative
-    margin = max(RULE.alike, share * law.gain)
+    # A spring has a centre, and costs a parameter more than a law through zero.
+    margin = max(RULE.alike + RULE.price, share * law.gain)
     alike = [
         one
         for one in weighed.candidates

@@ -290,7 +290,7 @@ def _unexplained(comparison: Comparison) -> Unexplained | None:
         why = said("no noise floor: chance cannot be told from it")
         return Unexplained(largest.axis, largest.mean_share, why)
     worst = comparison.worst or max(comparison.splits, key=lambda split: split.share)
-    hint = said("worst at {where}", where=worst.where())
+    hint = said("worst at {where}", where=worst.where()) if worst.fails else said("it shows on no axis alone")
     axis = worst.axis
     if axis == "frequency":
         # A disturbance with a rhythm of its own is an event in time.
