@@ -61,6 +61,8 @@ def comparison(rng: np.random.Generator, fit: Any) -> Any:
     for split in splits:
         split.where = lambda split=split: f"the end of {split.axis}"
     worst = one_of(rng, None, *splits)
+    for split in splits:
+        split.fails = worst is not None
     complete = bool(rng.random() < 0.5)
     return SimpleNamespace(splits=splits, worst=worst, complete=complete, fit=fit, summary="It is as it is.")
 

@@ -123,25 +123,24 @@ def straightened(diagnosis: Diagnosis, progress: Callable[[float], object]) -> l
 
 
 def with_detents(fit: Fit) -> Fit:
-    """Return the fit with detents where the data show them now, or with others where those end lower.
-
-    A stop that was not in the model yet may have hidden which detents there are.
-    """
-    if fit.model.period is None:
-        return _with_detents(fit) or fit
-    rows = fit.model.catalogue()
-    shown = base_effects_shown(fit.model.coordinate)
-    bound = any(rows[one].needs in shown or rows[one].place == "coupling" for one in fit.model.effects)
-    if bound or not (1.0 - _LOWER) * fit.rmse > fit.noise_floor:
-        return fit
-    found = _with_detents(functools.reduce(drop, (one for one in shown if one in fit.model.effects), fit))
-    lower = found is not None and found.rmse < (1.0 - _LOWER) * fit.rmse
-    return replace(found, before=fit.before) if found is not None and lower else fit
-
-
-def _with_detents(fit: Fit) -> Fit | None:
+    """Return the fit with detents where the data show them now."""
     core = _core.fit(cores(fit), fit.core.model, True)
-    return converged(replace(fit, core=core)) if core.model.period is not None else None
+    return converged(replace(fit, core=core)) if core.model.period is not None else fit
+
+
+def with_other_detents(fit: Fit) -> Fit:
+    """Return the fit with other detents than it has, where those end lower while more than noise is left.
+
+    A stop that was not in the model yet may have hidden which there are.
+    """
+    rows = fit.model.catalogue()
+    shown = [one for one in base_effects_shown(fit.model.coordinate) if one in fit.model.effects]
+    bound = any(rows[one].needs in shown or rows[one].place == "coupling" for one in fit.model.effects)
+    if not shown or bound or not (1.0 - _LOWER) * fit.rmse > fit.noise_floor:
+        return fit
+    others = with_detents(functools.reduce(drop, shown, fit))
+    found = others.model.period is not None and others.rmse < (1.0 - _LOWER) * fit.rmse
+    return replace(others, before=fit.before) if found else fit
 
 
 def _found(first: Fit, last: Fit) -> list[str]:

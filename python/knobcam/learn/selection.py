@@ -15,7 +15,7 @@ from ..fit.rule import RULE
 from ..fit.verdict import judged, within_law
 from ..model.effects import base_effects_shown, clipping, descriptions
 from .cut import Cut, Deadline, OutOfTime
-from .exchanged import anew, exchanged, straightened, with_detents
+from .exchanged import anew, exchanged, straightened, with_detents, with_other_detents
 from .joined import joined, rejoined
 from .joints import overlooked
 from .ladder import LearningStep, Unexplained, first_weighed
@@ -144,7 +144,7 @@ def _grown(
             continue
         tell(f"adding {best.effect}")
         richer = converged(best.fit)
-        if detents:
+        if detents and richer.model.period is None:
             richer = with_detents(richer)
         tell("re-testing the effects that came in before")
         came = {*(step.added for step in ladder), *shown}
@@ -155,6 +155,7 @@ def _grown(
             continue
         richer, dropped = retested(richer, [*tested, *(one for one in shown if detents and one in base)])
         richer = replace(converged(richer) if dropped else richer, before=fit)
+        richer = with_other_detents(richer) if detents else richer
         ladder.append(LearningStep(richer, best.effect, best.p_value, best.equivalent, dropped, diagnosis))
 
 
