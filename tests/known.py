@@ -71,14 +71,14 @@ def comparison(complete: bool, *splits: Any, floor: float = FLOOR) -> Any:
 
 def split(axis: str, share: float) -> Any:
     region = SimpleNamespace(start=10.0, end=14.0)
-    of_axis = {
-        "axis": axis,
-        "share": share,
-        "mean_share": 1.0 - share,
-        "regions": (region,),
-        "fails": share > 0.05,
-    }
-    return SimpleNamespace(**of_axis, where=lambda: "there")
+    return SimpleNamespace(
+        axis=axis,
+        share=share,
+        mean_share=1.0 - share,
+        regions=(region,),
+        fails=share > 0.05,
+        where=lambda: "there",
+    )
 
 
 def climbed(*steps: tuple[str, float], **last: Any) -> list[LearningStep]:

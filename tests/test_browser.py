@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 from brake import braked_knob
+from small import COUPLINGS
 from views import as_kept
 
 import knobcam as kc
@@ -135,7 +136,7 @@ def test_a_brush_in_a_notebook_is_heard_in_python_and_nothing_stays_behind(
     tmp_path: Path, pictures: Path
 ) -> None:
     # Couplings take by far the longest, and are not what is looked at here.
-    story = kc.learn(capture_with_stribeck(tmp_path, 25_000), without=["backlash", "compliance"])
+    story = kc.learn(capture_with_stribeck(tmp_path, 25_000), without=COUPLINGS)
     first, *rest = story.look().steps
     widget = Look((first._replace(label="<img src=x onerror=\"document.title='hit'\">"), *rest)).widget
     widget.looked = first.effects[0]

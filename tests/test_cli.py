@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 from command import knobcam, process, refused
+from small import COUPLINGS
 
 import knobcam as kc
 from knobcam import cli, show
@@ -233,8 +234,7 @@ def test_pictures_go_where_the_call_says(capture: Path, tmp_path: Path) -> None:
 def short(monkeypatch: pytest.MonkeyPatch) -> None:
     """Demonstrations that cost a fraction: of half as long, without couplings and pictures in the report."""
     monkeypatch.setattr(page, "figure", lambda drawn, caption: f"<figure>{caption}</figure>")
-    without = ("backlash", "compliance")
-    monkeypatch.setattr(demonstration, "learn", functools.partial(demonstration.learn, without=without))
+    monkeypatch.setattr(demonstration, "learn", functools.partial(demonstration.learn, without=COUPLINGS))
     monkeypatch.setattr(demonstration, "record", functools.partial(demonstration.record, duration_s=3.0))
 
 

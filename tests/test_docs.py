@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 from command import knobcam
+from small import COUPLINGS
 
 import knobcam as kc
 from knobcam.fleet.limits import Limits as PartLimits
@@ -259,7 +260,7 @@ def test_the_servo_of_a_page_that_let_go_is_said_to_and_without_that_its_log_is_
     assert right.verdict == "unexplained" and "negative" not in right.headline
     assert not [one for one in right.fit.warnings if "negative" in one]
     captures[1] = kc.load(runs[1], overrule=["let_go:tau"])
-    doubted = kc.learn(captures, without=["backlash", "compliance"])  # couplings take by far the longest
+    doubted = kc.learn(captures, without=COUPLINGS)
     assert "the log, not an effect, may be what is wrong" in doubted.headline
 
 

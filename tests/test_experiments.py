@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from command import knobcam, refused
+from small import COUPLINGS
 
 import knobcam as kc
 from knobcam.capture.motion_plan import MotionPlan
@@ -19,9 +20,6 @@ from knobcam.rig import experiments as experiments_module
 from knobcam.rig.emulator import EmulatedRig
 from knobcam.rig.experiments import experiments
 from knobcam.rig.figures import Figures
-
-COUPLINGS = ("backlash", "compliance")
-"""Not looked for here: they take by far the longest."""
 
 
 @pytest.fixture(autouse=True)

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from answers import Answers
-from small import RATE_HZ, WAVES, Torque, detents, recorded, rises
+from small import COUPLINGS, RATE_HZ, WAVES, Torque, detents, recorded, rises
 from test_constants import FORMULA, FREE, INERTIA, MAP, motor
 
 import knobcam as kc
@@ -22,7 +22,6 @@ from knobcam.errors import InputError
 from knobcam.fit import power, refit
 from knobcam.learn import cut
 
-JOINTS = ("backlash", "compliance")  # which take long
 LITTLE = 12.0  # how much less takes off hangs on where its search ended
 HARDLY = 0.02  # of what the best explains: a joint that does less ends in another dent on another processor
 SAID_ELSEWHERE = ("captures", "capture", "findings", "candidates", "correlation", "params", "ladder", "axes")
@@ -172,7 +171,7 @@ def test_of_a_slow_angle_alone_one_way() -> None:
 
 def test_of_a_torque_that_comes_late() -> None:
     late = recorded(11, detents)
-    searched("late", dataclasses.replace(late, tau=np.roll(late.tau, 6)), without=JOINTS)
+    searched("late", dataclasses.replace(late, tau=np.roll(late.tau, 6)), without=COUPLINGS)
 
 
 def test_of_a_motor_by_its_current() -> None:

@@ -8,14 +8,12 @@ import re
 
 import numpy as np
 import pytest
+from small import COUPLINGS
 
 import knobcam as kc
 from knobcam.fit.refit import gain, needed
 from knobcam.learn import selection
 from knobcam.learn.limitations import limitations
-
-COUPLINGS = ("backlash", "compliance")
-"""By far the longest to look for: left out where a test is about something else."""
 
 
 @pytest.fixture(scope="module")

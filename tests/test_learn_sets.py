@@ -6,16 +6,13 @@ import numpy as np
 import pytest
 from hidden import Hidden, make
 from known import BASE
-from small import recorded
+from small import COUPLINGS, recorded
 from strata import Stratum
 
 import knobcam as kc
 from knobcam.learn import LearningResult
 from knobcam.learn.exchanged import straightened
 from knobcam.learn.loosened import with_shapes
-
-COUPLINGS = ("backlash", "compliance")
-"""Left out where a test is about something else: they take by far the longest."""
 
 
 def learnt(
@@ -76,7 +73,7 @@ def test_what_was_looked_for_in_the_error_of_another_is_looked_for_anew_beside_i
 def test_what_is_bent_by_another_that_is_missing_is_looked_for_anew_beside_it() -> None:
     knob = Stratum.parse("pair/quadratic_drag+position_friction:88440").make("chirp")
     fit = kc.fit(thinned(knob, every=3))
-    diagnosis = fit.diagnose(without=["backlash", "compliance"])
+    diagnosis = fit.diagnose(without=COUPLINGS)
     led = max(diagnosis.candidates, key=lambda one: one.score)
     assert led.effect == "position_friction" and led.implausible
     steps = straightened(diagnosis, lambda _: None)

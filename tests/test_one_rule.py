@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from small import COUPLINGS
 
 import knobcam as kc
 from knobcam.base.said import Said
@@ -114,8 +115,7 @@ def test_what_one_capture_shows_is_no_less_for_others_that_do_not() -> None:
     track = kc.motion("sweep", 3.0)
     smaller = kc.MotionTrack(track.t, *(0.3 * x for x in track[1:]))
     captures = [kc.simulate(spring, track, seed=5), *(kc.simulate(spring, smaller, seed=n) for n in (6, 7))]
-    without = ["backlash", "compliance"]  # couplings take by far the longest
-    learned = kc.learn(captures, without=without)
-    assert learned.found == kc.learn(captures[0], without=without).found == ("return_spring",)
+    learned = kc.learn(captures, without=COUPLINGS)
+    assert learned.found == kc.learn(captures[0], without=COUPLINGS).found == ("return_spring",)
     before, after = (step.rmse for step in learned.ladder)
     assert 1.0 - (after / before) ** 2 < RULE.worth

@@ -12,14 +12,12 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
+from small import COUPLINGS
 
 import knobcam as kc
 from knobcam import plot
 from knobcam.model.typical import typical
 from knobcam.show.words import param_word, sentence
-
-COUPLINGS = ("backlash", "compliance")
-"""Not looked for here: they take by far the longest."""
 
 
 @pytest.fixture(scope="module")

@@ -10,13 +10,11 @@ import numpy as np
 import pytest
 from brake import braked_knob
 from command import knobcam, refused
+from small import COUPLINGS
 
 import knobcam as kc
 from knobcam.learn.proposals import Proposals
 from knobcam.workbench import surface
-
-COUPLINGS = ("backlash", "compliance")
-"""Not looked for here: they take by far the longest."""
 
 
 @pytest.fixture(scope="module")

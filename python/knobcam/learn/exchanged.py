@@ -46,12 +46,7 @@ def exchanged(
     first, last = ladder[0].fit, ladder[-1].fit
     found = _found(first, last)
     diagnosis = first_weighed(ladder)
-    rows = first.model.catalogue()
-    if (
-        diagnosis is None
-        or len(found) < 2
-        or any(rows[one].place == "coupling" for one in last.model.effects)
-    ):
+    if diagnosis is None or len(found) < 2:
         return None
     pool = dict.fromkeys(found, last)
     for one in _best_of_each(ladder):
