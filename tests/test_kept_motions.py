@@ -8,8 +8,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from answers import Answers
-from small import detents, recorded, rises
-from test_kept import JOINTS, without
+from small import COUPLINGS, detents, recorded, rises
+from test_kept import without
 
 import knobcam as kc
 from knobcam.errors import InputError
@@ -66,7 +66,7 @@ def test_of_motions_and_what_they_would_tell(monkeypatch: pytest.MonkeyPatch) ->
     for name in ("sweep", "multisine"):
         told.put(name, motion_space.standard(name, LIMITS, 1000.0, 0.7).theta)
     weak = recorded(19, lambda t, theta, omega, _: 4e-3 * np.sign(omega) * np.exp(-np.abs(omega) / 0.8))
-    story = kc.learn(weak, without=JOINTS)
+    story = kc.learn(weak, without=COUPLINGS)
     rivals = contenders(story, ["base", "stribeck"])
     asks = Telling(rivals, 3)
     told.put("asks", [asks.white, asks.edge_hz or 0.0, asks.omega_sd, *(one.name for one in rivals)])
