@@ -6,6 +6,14 @@ use super::sos::{Section, Sos};
 /// A section that passes its input on, to complete an odd number of sections.
 const IDENTITY: Section = Section { b: [1.0, 0.0, 0.0], a: [0.0, 0.0] };
 
+/// Samples from one look at what is left of a memory to the next. Within so many it fades by far less than what lies
+/// between [`FADED`] and the least number that is not subnormal.
+const FEW: usize = 128;
+
+/// What fades away behind a step, as dry friction has them, comes to subnormal numbers and stays at them, and processors
+/// take ten times as long for these. A memory below this is none.
+const FADED: f64 = 1e-200;
+
 /// Two sections and the last two values before, between and after them (newest first).
 ///
 /// Two sections in one loop keep the adders busy: while the second works on one sample, the first
@@ -49,7 +57,9 @@ impl<R: Registers> Cascade<R> {
     #[inline(always)]
     pub(super) fn forward(&mut self, block: &mut [R::f64s]) {
         for pair in &mut self.pairs {
-            pair.filter(self.registers, block.iter_mut());
+            for few in block.chunks_mut(FEW) {
+                pair.filter(self.registers, few.iter_mut());
+            }
         }
     }
 
@@ -57,7 +67,9 @@ impl<R: Registers> Cascade<R> {
     #[inline(always)]
     pub(super) fn backward(&mut self, block: &mut [R::f64s]) {
         for pair in &mut self.pairs {
-            pair.filter(self.registers, block.iter_mut().rev());
+            for few in block.rchunks_mut(FEW) {
+                pair.filter(self.registers, few.iter_mut().rev());
+            }
         }
     }
 }
@@ -94,7 +106,12 @@ impl<R: Registers> Pair<R> {
             y = [y0, y[0]];
             *sample = y0;
         }
-        self.history = [x, u, y];
+        let faded = registers.splat_f64s(FADED);
+        let kept = |value| {
+            let small = registers.less_than_f64s(registers.abs_f64s(value), faded);
+            registers.select_f64s(small, registers.splat_f64s(0.0), value)
+        };
+        self.history = [x, u, y].map(|newest| newest.map(kept));
     }
 }
 
@@ -128,5 +145,29 @@ impl<R: Registers> Coefficients<R> {
             sum = registers.multiply_add(self.minus_a[1], y[1], sum);
         }
         registers.multiply_add(self.minus_a[0], y[0], sum)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::filter::{butter, cheby2};
+    use pulp::{Scalar256b, f64x4};
+
+    #[test]
+    fn a_memory_that_fades_away_ends_at_nothing_and_meets_no_subnormal_number() {
+        for sos in [cheby2(3, 20.0, 500.0, 5000.0), butter(6, 900.0, 5000.0), butter(1, 1200.0, 5000.0)] {
+            let mut cascade = Cascade::new(Scalar256b, &sos.unwrap());
+            let all = |value| f64x4(value, value, value, value);
+            cascade.settle_at(all(0.02));
+            let mut subnormal = 0;
+            for _ in 0..200 {
+                cascade.forward(&mut [all(0.0); FEW]);
+                let memory = cascade.pairs.iter().flat_map(|pair| pair.history.as_flattened());
+                subnormal += memory.filter(|value| value.0.is_subnormal()).count();
+            }
+            assert_eq!(subnormal, 0);
+            assert!(cascade.pairs.iter().all(|pair| pair.history == [[all(0.0); 2]; 3]));
+        }
     }
 }
