@@ -8,6 +8,7 @@ mod hidden;
 mod moments;
 mod orders;
 mod parts;
+mod passes;
 mod runs;
 mod scan;
 mod separable;

@@ -5,7 +5,8 @@
 //! linear parameters are solved exactly, the cost is that of the solved problem, and the hard columns are
 //! projected off the linear ones. An amplitude and its phase count as linear, in polar form.
 
-use super::moments::{Moments, moments};
+use super::moments::Moments;
+use super::passes::Passes;
 use super::solve::{Normal, independent};
 use crate::algebra::squares;
 use crate::model::{Model, Role};
@@ -243,10 +244,9 @@ pub struct Found {
 }
 
 struct Problem<'a> {
-    data: &'a [&'a Signals],
+    passes: Passes<'a>,
     model: &'a Model,
     layout: &'a Layout,
-    seeds: Seeds,
     /// Sum of squares of the measured torque.
     total: f64,
     unit: f64,
@@ -257,7 +257,7 @@ impl Problem<'_> {
     fn point(&mut self, mut p: Vec<f64>) -> Point {
         self.layout.awake(&mut p, self.unit);
         self.evaluations += 1;
-        let moments = moments(self.data, self.model, &p, &self.seeds);
+        let moments = self.passes.moments(&p);
         let gram = |i: usize, j: usize| moments.gram(i, j);
         let kept = independent(gram, &self.layout.linear);
         let normal = Normal::of(gram, &kept);
@@ -324,8 +324,8 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64],
     let total: f64 = data.iter().map(|s| squares(&s.tau, &s.weight)).sum();
     let rows: f64 = data.iter().map(|s| s.used() as f64).sum();
     let unit = (total / rows.max(1.0)).sqrt().max(f64::MIN_POSITIVE);
-    let mut problem =
-        Problem { data, model, layout, seeds: layout.seeds(model), total, unit, evaluations: 0 };
+    let passes = Passes::of(data, model, layout);
+    let mut problem = Problem { passes, model, layout, total, unit, evaluations: 0 };
     let mut start = start.to_vec();
     keep_ties(model, &mut start);
     let mut here = problem.point(start);

@@ -1,8 +1,10 @@
 //! Which parameters of a model a fitter may move, and which are the same.
 
 use super::{Model, Role, Slot};
+use crate::effects::{Id, Nonlinear, Place};
 use crate::error::{Error, Result};
-use crate::param::{Axis, Usual};
+use crate::motion::Channel;
+use crate::param::{Axis, Kind, Usual};
 
 impl Model {
     /// The usual role of a parameter, by the values that the model has.
@@ -52,6 +54,29 @@ impl Model {
                 self.slots[at].role = self.usual(at);
             }
         }
+    }
+
+    /// Whether the torque's derivative by a parameter stays as it is while the free parameters change: linear, of an effect
+    /// whose free parameters all are, and no joint, sensor or friction between it and the torque that others shape.
+    pub fn lasts(&self, at: usize) -> bool {
+        let direct = |place| self.at(place).next().is_none();
+        let by_load = self.effects().any(|id| id.info().makes_nonlinear == Some(Nonlinear::ByLoad));
+        let own = |other: usize| other == at || self.slots[other].role == Role::Tied(at);
+        let mut effects =
+            (0..self.slots.len()).filter(|other| own(*other)).map(|other| self.slots[other].effect);
+        direct(Place::Coupling) && direct(Place::Sensor) && !by_load && effects.all(|id| self.adds_up(id))
+    }
+
+    /// Whether an effect of the catalogue adds to the torque, linearly in all that it has free.
+    fn adds_up(&self, id: Id) -> bool {
+        let adds = |channel: &Channel| match channel {
+            Channel::Drive | Channel::Inertia | Channel::NormalLoad | Channel::PositionLoad => true,
+            Channel::Back | Channel::Forth => self.plain,
+            _ => false,
+        };
+        let mut free = self.slots.iter().filter(|slot| slot.effect == id && slot.role != Role::Fixed);
+        let linear = free.all(|slot| slot.param.kind == Kind::Linear);
+        linear && !matches!(id, Id::User(_)) && id.info().touches.iter().all(adds)
     }
 
     /// Frees or fixes one parameter.
