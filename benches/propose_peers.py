@@ -1,4 +1,4 @@
-"""Peers who look for the law in the same residuals: `python benches/propose_peers.py [--laws 1]`.
+"""Peers who look for the law in the same residuals: `python benches/propose_peers.py [--samples 2000]`.
 
 gplearn (BSD, symbolic regression by genetic programming) and the sparse regression of PySINDy (MIT) over a
 library of friction, waves and powers, its threshold chosen by BIC. Neither is needed by anything else here:
@@ -21,7 +21,6 @@ from study_propose import RIGHT, STRENGTHS
 
 import knobcam as kc
 
-SAMPLES = 2000
 THRESHOLDS = np.geomspace(0.003, 0.3, 13)
 
 
@@ -29,11 +28,11 @@ def features(t: Floats, theta: Floats, omega: Floats, alpha: Floats) -> Floats:
     return np.column_stack([theta, omega, alpha, t, np.sign(omega), np.abs(omega)])
 
 
-def gplearn(x: Floats, y: Floats, motion: Floats) -> Floats:
+def gplearn(x: Floats, y: Floats, motion: Floats, samples: int) -> Floats:
     """Its defaults but for the functions that mechanics needs, and twice the usual price of length."""
     from gplearn.genetic import SymbolicRegressor
 
-    some = np.random.default_rng(0).choice(len(y), SAMPLES, replace=False)
+    some = np.random.default_rng(0).choice(len(y), min(samples, len(y)), replace=False)
     search = SymbolicRegressor(
         population_size=1000,
         generations=20,
@@ -76,7 +75,7 @@ def library(x: Floats) -> Floats:
     return np.column_stack(columns)
 
 
-def pysindy(x: Floats, y: Floats, motion: Floats) -> Floats:
+def pysindy(x: Floats, y: Floats, motion: Floats, _: int) -> Floats:
     """STLSQ over the library, columns of one size."""
     from pysindy.optimizers import STLSQ
 
@@ -98,6 +97,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--laws", type=int, default=1, help="knobs of each law")
     parser.add_argument("--first", type=int, default=51_006)
+    parser.add_argument("--samples", type=int, default=2000, help="of which gplearn evolves its formulas")
     args = parser.parse_args()
     right: dict[str, list[bool]] = {"gplearn": [], "pysindy": []}
     spent: dict[str, list[float]] = {"gplearn": [], "pysindy": []}
@@ -122,7 +122,9 @@ def main() -> None:
                 before = time.process_time()
                 with warnings.catch_warnings():
                     warnings.simplefilter("ignore")
-                    law = size * peer(features(t, theta, omega, alpha), rest[used] / size, exact)
+                    law = size * peer(
+                        features(t, theta, omega, alpha), rest[used] / size, exact, args.samples
+                    )
                 spent[name].append(time.process_time() - before)
                 off = base.left(law - truth) / base.left(truth)
                 right[name].append(bool(off < RIGHT))
