@@ -8,6 +8,9 @@ use super::registers::Registers;
 /// Samples of each lane that are transposed at a time.
 pub(super) const STEP: usize = 4;
 
+/// Such steps that are brought back at a time.
+const RUN: usize = 32;
+
 /// Lanes of the widest registers.
 const MOST_LANES: usize = 8;
 
@@ -53,13 +56,16 @@ pub(super) fn scatter<R: Registers>(
     let steps = block.as_chunks::<STEP>().0;
     let inside = common(pieces, steps.len(), |piece| piece.core.clone());
     let mut windows = windows(channels, pieces, inside.clone());
-    for (step, lanes) in steps[inside.clone()].iter().enumerate() {
-        let mut rows = registers.interleave_shfl_f64s(*lanes);
-        let rows = quarters::<R>(&mut rows);
+    // Channel by channel a run at a time: eight streams that are written to in turn take twice as long.
+    let mut rows = [[[0.0; STEP]; MOST_LANES]; RUN];
+    for (run, steps) in steps[inside.clone()].chunks(RUN).enumerate() {
+        for (rows, lanes) in rows.iter_mut().zip(steps) {
+            let mut turned = registers.interleave_shfl_f64s(*lanes);
+            rows.iter_mut().zip(quarters::<R>(&mut turned)).for_each(|(row, turned)| *row = *turned);
+        }
         for (lane, window) in windows.iter_mut().enumerate().take(R::F64_LANES) {
-            if let Some(row) = window.get_mut(step) {
-                *row = rows[place::<R>(lane)];
-            }
+            let own = window.iter_mut().skip(run * RUN).zip(&rows[..steps.len()]);
+            own.for_each(|(own, rows)| *own = rows[place::<R>(lane)]);
         }
     }
     for step in (0..inside.start).chain(inside.end..steps.len()) {
