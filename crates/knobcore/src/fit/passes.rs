@@ -1,7 +1,6 @@
 //! The passes of one descent: derivative columns that none of its steps changes are worked out once.
 
 use super::moments::{Moments, evaluate, used};
-use super::separable::Layout;
 use crate::model::Model;
 use crate::predict::Seeds;
 use crate::signals::Signals;
@@ -19,13 +18,13 @@ pub struct Passes<'a> {
 }
 
 impl<'a> Passes<'a> {
-    /// None is made yet.
-    pub fn of(data: &'a [&'a Signals], model: &'a Model, layout: &Layout) -> Self {
+    /// None is made yet; for a descent in these free parameters, in one step or in several.
+    pub fn of(data: &'a [&'a Signals], model: &'a Model, free: &[usize], several: bool) -> Self {
         // What is solved in one pass has no second one.
-        let lasts = layout.free.iter().map(|&i| !layout.is_linear() && model.lasts(i)).collect::<Vec<_>>();
+        let lasts: Vec<bool> = free.iter().map(|&i| several && model.lasts(i)).collect();
         let changing: Vec<usize> =
-            layout.free.iter().zip(&lasts).filter(|(_, lasts)| !**lasts).map(|(&i, _)| i).collect();
-        let seeds = [layout.seeds(model), Seeds::of(model, &changing)];
+            free.iter().zip(&lasts).filter(|(_, lasts)| !**lasts).map(|(&i, _)| i).collect();
+        let seeds = [Seeds::of(model, free), Seeds::of(model, &changing)];
         Self { data, model, seeds, lasts, kept: Vec::new() }
     }
 
@@ -79,16 +78,16 @@ mod tests {
         models.extend([Id::LoadFriction, Id::Unbalance, Id::TorqueLag].map(|id| knob(&[Id::Stribeck, id])));
         let mut lasting = 0;
         for model in models {
-            let layout = Layout::of(&model);
-            let mut passes = Passes::of(&data, &model, &layout);
+            let free: Vec<usize> = model.free().collect();
+            let mut passes = Passes::of(&data, &model, &free, true);
             lasting += passes.lasts.iter().filter(|lasts| **lasts).count();
             let mut p = model.values();
             for step in [0.0, 0.2, 0.7] {
-                for &at in &layout.free {
+                for &at in &free {
                     let bounds = model.slots()[at].param;
                     p[at] = (p[at] + step * (1e-3 + 0.3 * p[at].abs())).clamp(bounds.lower, bounds.upper);
                 }
-                let whole = moments(&data, &model, &p, &layout.seeds(&model));
+                let whole = moments(&data, &model, &p, &Seeds::of(&model, &free));
                 assert_eq!(passes.moments(&p), whole, "{:?}", model.effects().collect::<Vec<_>>());
             }
         }
