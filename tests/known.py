@@ -33,6 +33,7 @@ class Known:
     torque_unit: str = "N m"
     period: float | None = None
     prepared: tuple[Any, ...] = ()
+    laws: tuple[str, ...] = ()
 
     @property
     def core(self) -> Any:
@@ -42,7 +43,7 @@ class Known:
     @property
     def model(self) -> Any:
         known = {"effects": self.effects, "coordinate": "rotary", "period": self.period, "core": None}
-        return SimpleNamespace(**known, catalogue=kc.effects)
+        return SimpleNamespace(**known, catalogue=kc.effects, laws=self.laws)
 
     @property
     def excess(self) -> float:

@@ -114,6 +114,20 @@ def test_what_came_in_is_named_and_what_is_left_is_said(monkeypatch: pytest.Monk
     assert named(climbed(("stribeck", 1.0), impossible="no knob has that"), done) == (("stribeck",), None)
 
 
+def test_more_than_are_believed_of_one_knob_together_name_no_cause(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(selection, "width", lambda fit: None)
+    names = ("stribeck", "quadratic_drag", "presliding", "torque_lag")
+    steps = list(zip(names, (4.0, 3.0, 2.0, 1.0), strict=True))
+    assert named(climbed(*steps[:3]), comparison(True)) == (names[:3], None)
+    found, left = named(climbed(*steps), comparison(True))
+    assert found == () and (left.axis, left.share) == ("position", 0.8)
+    assert left.hint.startswith(f"it takes {', '.join(names)} together")
+    # A formula that the user took in is none of them; where more is left, that is what is said.
+    assert named(climbed(*steps, laws=("torque_lag",)), comparison(True)) == (names, None)
+    more = climbed(*steps[:3], ("torque_lag", 1.9))
+    assert "together" not in named(more, comparison(False, split("time", 0.3)))[1].hint
+
+
 def test_maps_of_position_together_name_no_cause(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(selection, "width", lambda fit: None)
     maps = climbed(("position_polynomial", 3.0), ("unbalance", 1.5), ("stribeck", 1.0))

@@ -89,6 +89,8 @@ verdict {
     pair_leaves: 0.5, "share of the excess", "judgement: the better part";
     /// Effects that come in one after the other, at most.
     most: 6.0, "effects", "judgement: a model that needs more is no explanation";
+    /// Effects that are believed of one knob together, at most: what takes more of them is not explained by them.
+    believed: 3.0, "effects", "of the examination's answers of more names than that none was right";
     /// Detents that a motion has to cross for a shape that returns with each to be no map of position.
     many: 4.0, "detents", "judgement: a polynomial does not follow four of them";
     /// Detents that a motion has to cross for a change of them to be told from any map of position.

@@ -189,6 +189,11 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
         unexplained = Unexplained("position", share, words)
     elif unexplained is not None:
         found = tuple(one for one in found if one in mainly)
+    elif len(names := [one for one in found if one not in ladder[-1].fit.model.laws]) > RULE.believed:
+        words = f"it takes {', '.join(names)} together to draw it, and so many draw nearly anything"
+        weighed = first_weighed(ladder) or last
+        bare = _unexplained(weighed.comparison) or Unexplained("time", 1.0, "")
+        found, unexplained = (), bare._replace(hint=words)
     wrong = ladder[-1].fit.impossible
     # Within less than a detent its pull counts as inertia: that is said as what such a motion cannot tell.
     if unexplained is None and wrong is not None and width(ladder[-1].fit) is None:
