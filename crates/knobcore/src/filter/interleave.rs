@@ -56,7 +56,7 @@ pub(super) fn scatter<R: Registers>(
     let steps = block.as_chunks::<STEP>().0;
     let inside = common(pieces, steps.len(), |piece| piece.core.clone());
     let mut windows = windows(channels, pieces, inside.clone());
-    // Channel by channel a run at a time: eight streams that are written to in turn take twice as long.
+    // Channel by channel, a run at a time: eight streams that are written to in turn take longer.
     let mut rows = [[[0.0; STEP]; MOST_LANES]; RUN];
     for (run, steps) in steps[inside.clone()].chunks(RUN).enumerate() {
         for (rows, lanes) in rows.iter_mut().zip(steps) {

@@ -5,6 +5,9 @@ use crate::model::Model;
 use crate::predict::Seeds;
 use crate::signals::Signals;
 
+/// Numbers that are kept at most: memory does not grow with a capture.
+const MOST: usize = 1 << 22;
+
 /// The normal equations at one set of parameters after another.
 pub struct Passes<'a> {
     data: &'a [&'a Signals],
@@ -20,8 +23,11 @@ pub struct Passes<'a> {
 impl<'a> Passes<'a> {
     /// None is made yet; for a descent in these free parameters, in one step or in several.
     pub fn of(data: &'a [&'a Signals], model: &'a Model, free: &[usize], several: bool) -> Self {
+        let samples: usize = data.iter().map(|signals| signals.len()).sum();
+        let lasting = free.iter().filter(|&&i| model.lasts(i)).count();
         // What is solved in one pass has no second one.
-        let lasts: Vec<bool> = free.iter().map(|&i| several && model.lasts(i)).collect();
+        let kept = several && samples * lasting <= MOST;
+        let lasts: Vec<bool> = free.iter().map(|&i| kept && model.lasts(i)).collect();
         let changing: Vec<usize> =
             free.iter().zip(&lasts).filter(|(_, lasts)| !**lasts).map(|(&i, _)| i).collect();
         let seeds = [Seeds::of(model, free), Seeds::of(model, &changing)];
@@ -92,6 +98,18 @@ mod tests {
             }
         }
         assert!(lasting > 70, "{lasting}");
+    }
+
+    #[test]
+    fn of_captures_that_are_too_long_nothing_is_kept() {
+        let (signals, model) = (turned(0.9, 1e-3, |_, _| 0.0), knob(&[]));
+        let free: Vec<usize> = model.free().collect();
+        let kept = |captures: usize, several: bool| {
+            let data = vec![&signals; captures];
+            Passes::of(&data, &model, &free, several).lasts.contains(&true)
+        };
+        let most = MOST / (5 * signals.len());
+        assert!(kept(most, true) && !kept(most + 1, true) && !kept(1, false));
     }
 
     #[test]
