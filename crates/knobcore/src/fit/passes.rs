@@ -24,10 +24,12 @@ impl<'a> Passes<'a> {
     /// None is made yet; for a descent in these free parameters, in one step or in several.
     pub fn of(data: &'a [&'a Signals], model: &'a Model, free: &[usize], several: bool) -> Self {
         let samples: usize = data.iter().map(|signals| signals.len()).sum();
-        let lasting = free.iter().filter(|&&i| model.lasts(i)).count();
+        let mut lasts: Vec<bool> = free.iter().map(|&i| model.lasts(i)).collect();
+        let lasting = lasts.iter().filter(|lasts| **lasts).count();
         // What is solved in one pass has no second one.
-        let kept = several && samples * lasting <= MOST;
-        let lasts: Vec<bool> = free.iter().map(|&i| kept && model.lasts(i)).collect();
+        if !several || samples * lasting > MOST {
+            lasts.fill(false);
+        }
         let changing: Vec<usize> =
             free.iter().zip(&lasts).filter(|(_, lasts)| !**lasts).map(|(&i, _)| i).collect();
         let seeds = [Seeds::of(model, free), Seeds::of(model, &changing)];

@@ -324,7 +324,7 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64],
     let total: f64 = data.iter().map(|s| squares(&s.tau, &s.weight)).sum();
     let rows: f64 = data.iter().map(|s| s.used() as f64).sum();
     let unit = (total / rows.max(1.0)).sqrt().max(f64::MIN_POSITIVE);
-    let passes = Passes::of(data, model, &layout.free, !layout.is_linear());
+    let passes = Passes::of(data, model, &layout.free, !layout.hard.is_empty());
     let mut problem = Problem { passes, model, layout, total, unit, evaluations: 0 };
     let mut start = start.to_vec();
     keep_ties(model, &mut start);
