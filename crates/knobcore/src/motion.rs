@@ -272,13 +272,24 @@ impl<T: Scalar> Load<T> {
     /// What presses the sliding surfaces together at a constant speed, N m.
     #[inline(always)]
     pub fn presses(&self) -> T {
-        self.normal_load + self.position_share * self.position_load
+        self.normal_load + at_most_all(self.position_share) * self.position_load
+    }
+
+    /// The share of the inertia whose torque presses besides.
+    #[inline(always)]
+    pub fn carried(&self) -> T {
+        at_most_all(self.inertia_share)
     }
 
     /// The same at this acceleration.
     #[inline(always)]
     fn pressed(&self, alpha: T) -> T {
-        self.presses() + self.inertia_share * self.inertia * alpha
+        self.presses() + self.carried() * self.inertia * alpha
+    }
+
+    /// What presses them where they hand on all that there is, N m.
+    pub fn pressing(&self, alpha: T) -> T {
+        self.normal_load + self.position_load + self.inertia * alpha
     }
 
     /// In a motion that goes forward with the probability `forward`: the dry friction whatever presses, N m, and what
@@ -327,6 +338,13 @@ impl<T: Scalar> Load<T> {
     pub fn sticking(&self, tau_other: T) -> T {
         tau_other.min(self.hold[1]).max(-self.hold[0])
     }
+}
+
+/// Shares of several effects that rub together: what slides hands on no more than there is.
+#[inline(always)]
+fn at_most_all<T: Scalar>(share: T) -> T {
+    let one = T::of(1.0);
+    (share - one).where_positive(one, share)
 }
 
 #[cfg(test)]

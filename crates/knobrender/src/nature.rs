@@ -39,7 +39,7 @@ impl Nature {
         let start = load(&still(0.0));
         let mut nature = Self {
             inertia: start.inertia,
-            surge: start.inertia * (1.0 + (start.mu * start.inertia_share).abs()),
+            surge: start.inertia * (1.0 + (start.mu * start.carried()).abs()),
             hold: f64::INFINITY,
             stiffness: 0.0,
             damping: 0.0,
@@ -60,6 +60,7 @@ impl Nature {
                     let (now, more) = (load(&motion), load(&Motion { omega: 1.001 * omega, ..motion }));
                     let torque = |load: &Load<f64>| load.drive + load.friction(motion.forward, motion.alpha);
                     nature.damping = nature.damping.max((torque(&more) - torque(&now)) / (0.001 * omega));
+                    nature.surge = nature.surge.max(start.inertia * (1.0 + (now.mu * now.carried()).abs()));
                     nature.dissipates &= braked(&now, &motion, load(&at_rest(&motion)).drive) == now.drive;
                 }
             }

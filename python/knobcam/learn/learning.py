@@ -30,7 +30,8 @@ from .cut import Cut, Deadline, Interrupted
 from .ladder import LearningStep, Unexplained, first_weighed
 from .limitations import Limitation, limitations
 from .loosened import with_shapes
-from .proposals import Proposals, accepted, propose
+from .proposals import Proposals
+from .proposing import accepted, propose
 from .rivals import in_percent, with_choice
 from .selection import concluded, select
 from .ties import with_ties

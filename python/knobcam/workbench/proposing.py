@@ -9,7 +9,7 @@ from starlette.concurrency import run_in_threadpool
 
 from ..errors import InputError
 from ..fit import refit
-from ..learn.proposals import accepted
+from ..learn.proposing import accepted
 from ..model.own import forget_effect
 from ..model.own_law import free_name, guesses, own_law
 from . import arrays

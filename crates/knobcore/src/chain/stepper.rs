@@ -76,7 +76,7 @@ impl<T: Branches> Acts<T> {
         let mut pressed = None;
         if inertial && !plain {
             let per_load = [back_per_load, forth_per_load];
-            pressed = Some(Pressed { load: presses, share: load.inertia_share, per_load });
+            pressed = Some(Pressed { load: presses, share: load.carried(), per_load });
         } else if !plain {
             back = back + back_per_load * presses.abs();
             forth = forth + forth_per_load * presses.abs();

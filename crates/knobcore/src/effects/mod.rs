@@ -281,7 +281,9 @@ impl Id {
         let Self::User(user) = self else { return false };
         user.formula().is_some_and(|law| match law.over_alpha() {
             formula::OverAlpha::Not => false,
-            formula::OverAlpha::Straight => user.info.touches.contains(&Channel::FrictionScale),
+            formula::OverAlpha::Straight => {
+                user.info.place == Place::Load && !user.info.touches.contains(&Channel::Inertia)
+            }
             formula::OverAlpha::Bent => user.info.place == Place::Load,
         })
     }

@@ -77,8 +77,10 @@ fn parted(term: &Term, reach: &Reach) -> Option<(Variable, Term)> {
     // Of powers alone: over the first variable, times the rest where that has a name of its own.
     let over = term.powers.of.first().map(|(variable, _)| *variable)?;
     let rest: Vec<_> = term.powers.of.iter().filter(|(variable, _)| *variable != over).collect();
-    let same =
-        |powers: &&Powers| powers.signed == term.powers.signed && powers.of.iter().eq(rest.iter().copied());
+    let same = |powers: &&Powers| {
+        let kind = |powers: &Powers| (powers.signed, powers.pressed);
+        kind(powers) == kind(&term.powers) && powers.of.iter().eq(rest.iter().copied())
+    };
     let powers = *Powers::ALL.iter().find(same)?;
     let over = if over == Variable::Speed { Variable::Omega } else { over };
     Some((over, Term { powers, factors: Vec::new() }))

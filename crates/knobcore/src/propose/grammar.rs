@@ -61,8 +61,11 @@ impl Variable {
     }
 }
 
-/// Columns of the motion: those of [`Variable::ALL`], then the direction.
-pub type Motions = [Vec<f64>; Variable::ALL.len() + 1];
+/// Columns of the motion: those of [`Variable::ALL`], then the direction, and what presses what slides together, N m.
+pub type Motions = [Vec<f64>; Variable::ALL.len() + 2];
+/// Where the last two stand.
+const DIRECTION: usize = Variable::ALL.len();
+const LOAD: usize = DIRECTION + 1;
 
 /// A product of powers that has no parameter: the power of each variable, and whether the direction's sign is in it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,53 +74,56 @@ pub struct Powers {
     pub of: &'static [(Variable, i32)],
     /// Whether it has the sign of the velocity.
     pub signed: bool,
+    /// Whether it has the magnitude of the load that presses what slides together: friction under it.
+    pub pressed: bool,
 }
 
 impl Powers {
     /// No power at all.
-    pub const NONE: Self = Self { of: &[], signed: false };
+    pub const NONE: Self = Self { of: &[], signed: false, pressed: false };
     /// The sign of the velocity.
-    pub const SIGN: Self = Self { of: &[], signed: true };
+    pub const SIGN: Self = Self { of: &[], signed: true, pressed: false };
     /// The velocity.
-    pub const OMEGA: Self = Self { of: &[(Variable::Omega, 1)], signed: false };
+    pub const OMEGA: Self = Self { of: &[(Variable::Omega, 1)], signed: false, pressed: false };
     /// The acceleration.
-    pub const ALPHA: Self = Self { of: &[(Variable::Alpha, 1)], signed: false };
+    pub const ALPHA: Self = Self { of: &[(Variable::Alpha, 1)], signed: false, pressed: false };
     /// Those that mechanics knows: stiffness, drag, inertia and what pushes with the square of the speed.
     pub const ALL: &'static [Self] = &[
         Self::NONE,
         Self::SIGN,
         Self::OMEGA,
-        Self { of: &[(Variable::Speed, 1)], signed: false },
-        Self { of: &[(Variable::Omega, 2)], signed: false },
-        Self { of: &[(Variable::Omega, 1), (Variable::Speed, 1)], signed: false },
-        Self { of: &[(Variable::Omega, 3)], signed: false },
+        Self { of: &[(Variable::Speed, 1)], signed: false, pressed: false },
+        Self { of: &[(Variable::Omega, 2)], signed: false, pressed: false },
+        Self { of: &[(Variable::Omega, 1), (Variable::Speed, 1)], signed: false, pressed: false },
+        Self { of: &[(Variable::Omega, 3)], signed: false, pressed: false },
         Self::ALPHA,
-        Self { of: &[(Variable::Alpha, 2)], signed: false },
-        Self { of: &[(Variable::Alpha, 3)], signed: false },
-        Self { of: &[(Variable::Theta, 1)], signed: false },
-        Self { of: &[(Variable::Theta, 2)], signed: false },
-        Self { of: &[(Variable::Theta, 3)], signed: false },
-        Self { of: &[(Variable::Time, 1)], signed: false },
-        Self { of: &[(Variable::Time, 2)], signed: false },
-        Self { of: &[(Variable::Theta, 1)], signed: true },
-        Self { of: &[(Variable::Theta, 2)], signed: true },
-        Self { of: &[(Variable::Theta, 1), (Variable::Omega, 1)], signed: false },
-        Self { of: &[(Variable::Theta, 2), (Variable::Omega, 1)], signed: false },
-        Self { of: &[(Variable::Theta, 1), (Variable::Omega, 2)], signed: false },
-        Self { of: &[(Variable::Theta, 1), (Variable::Alpha, 1)], signed: false },
-        Self { of: &[(Variable::Theta, 2), (Variable::Alpha, 1)], signed: false },
-        Self { of: &[(Variable::Time, 1)], signed: true },
-        Self { of: &[(Variable::Time, 1), (Variable::Omega, 1)], signed: false },
-        Self { of: &[(Variable::Time, 1), (Variable::Alpha, 1)], signed: false },
-        Self { of: &[(Variable::Time, 1), (Variable::Theta, 1)], signed: false },
-        Self { of: &[(Variable::Omega, 1), (Variable::Alpha, 1)], signed: false },
-        Self { of: &[(Variable::Speed, 1), (Variable::Alpha, 1)], signed: false },
-        Self { of: &[(Variable::Alpha, 1), (Variable::Jolt, 1)], signed: false },
-        Self { of: &[(Variable::Theta, 1), (Variable::Aside, 1)], signed: false },
-        Self { of: &[(Variable::Aside, 1), (Variable::Omega, 1)], signed: false },
-        Self { of: &[(Variable::Aside, 1), (Variable::Alpha, 1)], signed: false },
-        Self { of: &[(Variable::Aside, 1)], signed: true },
-        Self { of: &[(Variable::Since, 1)], signed: true },
+        Self { of: &[(Variable::Alpha, 2)], signed: false, pressed: false },
+        Self { of: &[(Variable::Alpha, 3)], signed: false, pressed: false },
+        Self { of: &[(Variable::Theta, 1)], signed: false, pressed: false },
+        Self { of: &[(Variable::Theta, 2)], signed: false, pressed: false },
+        Self { of: &[(Variable::Theta, 3)], signed: false, pressed: false },
+        Self { of: &[(Variable::Time, 1)], signed: false, pressed: false },
+        Self { of: &[(Variable::Time, 2)], signed: false, pressed: false },
+        Self { of: &[(Variable::Theta, 1)], signed: true, pressed: false },
+        Self { of: &[(Variable::Theta, 2)], signed: true, pressed: false },
+        Self { of: &[(Variable::Theta, 1), (Variable::Omega, 1)], signed: false, pressed: false },
+        Self { of: &[(Variable::Theta, 2), (Variable::Omega, 1)], signed: false, pressed: false },
+        Self { of: &[(Variable::Theta, 1), (Variable::Omega, 2)], signed: false, pressed: false },
+        Self { of: &[(Variable::Theta, 1), (Variable::Alpha, 1)], signed: false, pressed: false },
+        Self { of: &[(Variable::Theta, 2), (Variable::Alpha, 1)], signed: false, pressed: false },
+        Self { of: &[(Variable::Time, 1)], signed: true, pressed: false },
+        Self { of: &[(Variable::Time, 1), (Variable::Omega, 1)], signed: false, pressed: false },
+        Self { of: &[(Variable::Time, 1), (Variable::Alpha, 1)], signed: false, pressed: false },
+        Self { of: &[(Variable::Time, 1), (Variable::Theta, 1)], signed: false, pressed: false },
+        Self { of: &[(Variable::Omega, 1), (Variable::Alpha, 1)], signed: false, pressed: false },
+        Self { of: &[(Variable::Speed, 1), (Variable::Alpha, 1)], signed: false, pressed: false },
+        Self { of: &[(Variable::Alpha, 1), (Variable::Jolt, 1)], signed: false, pressed: false },
+        Self { of: &[(Variable::Theta, 1), (Variable::Aside, 1)], signed: false, pressed: false },
+        Self { of: &[(Variable::Aside, 1), (Variable::Omega, 1)], signed: false, pressed: false },
+        Self { of: &[(Variable::Aside, 1), (Variable::Alpha, 1)], signed: false, pressed: false },
+        Self { of: &[(Variable::Aside, 1)], signed: true, pressed: false },
+        Self { of: &[(Variable::Since, 1)], signed: true, pressed: false },
+        Self { of: &[], signed: true, pressed: true },
     ];
 
     /// Those of some variables and their magnitudes.
@@ -129,7 +135,10 @@ impl Powers {
     /// Its value at every row.
     pub fn over(&self, motions: &Motions) -> Vec<f64> {
         let rows = motions[0].len();
-        let mut product = if self.signed { motions[Variable::ALL.len()].clone() } else { vec![1.0; rows] };
+        let mut product = if self.signed { motions[DIRECTION].clone() } else { vec![1.0; rows] };
+        if self.pressed {
+            product.iter_mut().zip(&motions[LOAD]).for_each(|(own, load)| *own *= load.abs());
+        }
         for (variable, power) in self.of {
             for (own, x) in product.iter_mut().zip(&motions[*variable as usize]) {
                 *own *= x.powi(*power);
@@ -143,8 +152,9 @@ impl Powers {
             1 => variable.text().to_owned(),
             _ => format!("{}^{power}", variable.text()),
         };
+        let load = self.pressed.then(|| "abs(load)".to_owned());
         let sign = self.signed.then(|| "sign(omega)".to_owned());
-        self.of.iter().map(power).chain(sign).collect()
+        self.of.iter().map(power).chain(load).chain(sign).collect()
     }
 }
 
@@ -251,7 +261,7 @@ impl Term {
         let powers: usize = self.powers.of.iter().map(|(_, power)| power.unsigned_abs() as usize).sum();
         // A power of the velocity is one function, its sign with it, as tanh is.
         let sign = self.powers.signed && !self.has_power();
-        self.count() + 2 * self.factors.len() + powers + usize::from(sign)
+        self.count() + 2 * self.factors.len() + powers + usize::from(self.powers.pressed) + usize::from(sign)
     }
 
     fn has_power(&self) -> bool {
@@ -268,6 +278,7 @@ impl Term {
     pub fn variables(&self) -> Vec<&'static str> {
         let mut names: Vec<&'static str> =
             self.powers.of.iter().map(|(variable, _)| variable.name()).collect();
+        names.extend(self.powers.pressed.then_some("load"));
         names.extend(self.powers.signed.then_some(Variable::Omega.name()));
         names.extend(self.factors.iter().map(|factor| factor.of.name()));
         names.sort_unstable();

@@ -360,7 +360,8 @@ fn varied<'a, T>(
     kept
 }
 
-/// The best, of every kind one; best first.
+/// The best, of every kind one, and of each length below theirs: a front of error against length ends where nothing is left
+/// out. Best first.
 fn spread(followed: &[Followed]) -> Vec<Followed> {
     let kind = |law: &Sum| {
         let powers: Vec<Powers> = law.0.iter().map(|term| term.powers).collect();
@@ -370,7 +371,9 @@ fn spread(followed: &[Followed]) -> Vec<Followed> {
     };
     let mut kept: Vec<Followed> = Vec::new();
     for one in followed {
-        if kept.len() < ENDED && !kept.iter().any(|other| kind(&other.law) == kind(&one.law)) {
+        let shorter = |other: &Followed| one.law.complexity() < other.law.complexity();
+        let new = !kept.iter().any(|other| kind(&other.law) == kind(&one.law));
+        if new && (kept.len() < ENDED || kept.iter().all(shorter)) {
             kept.push(one.clone());
         }
     }

@@ -59,8 +59,9 @@ impl Search<'_> {
     /// measurement filter of `fine`; in any order.
     pub(super) fn pairs(&self, known: &[Followed], seen: &[&Vec<Seen>], fine: &Rows<'_>) -> Vec<Followed> {
         let known = known.iter().filter_map(|one| one.law.alone()).take(BEST);
-        let terms: Vec<&Term> =
-            known.chain(seen.iter().flat_map(|one| one.iter().take(MOST)).map(|one| &one.term)).collect();
+        let seen = seen.iter().flat_map(|one| one.iter().take(MOST)).map(|one| &one.term);
+        // A formula is friction under a load as a whole, or not at all.
+        let terms: Vec<&Term> = known.chain(seen).filter(|term| !term.powers.pressed).collect();
         let parts: Vec<Part<'_>> =
             self.watch.each(&terms, |term| Part::of(&self.rows[1], term, self.price(term)));
         let columns: Vec<&[f64]> = parts.iter().flat_map(|part| &part.columns).map(Vec::as_slice).collect();

@@ -63,6 +63,7 @@ impl<'a> Rows<'a> {
         let rows = residual.len();
         project(&mut residual, &base, rows);
         let since: Vec<Vec<f64>> = data.iter().map(|signals| since_turned(signals)).collect();
+        let pressing: Vec<Vec<f64>> = data.iter().map(|signals| pressing(signals, model)).collect();
         let all = |of: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
             let capture = |(at, signals): (usize, &&Signals)| {
                 let samples = signals.segments.iter().cloned().flatten();
@@ -80,6 +81,7 @@ impl<'a> Rows<'a> {
             all(&|at, sample| data[at].alpha[sample].abs()),
             all(&|at, sample| since[at][sample]),
             all(&|at, sample| data[at].motion(sample).direction()),
+            all(&|at, sample| pressing[at][sample]),
         ];
         let weight = all(&|at, sample| data[at].weight[sample]);
         let scale = thinned.pick(data, &weight);
@@ -234,6 +236,21 @@ fn solved(columns: &[Vec<f64>], squares: &[f64], along: &[f64]) -> Option<Vec<f6
 /// Sums of neighbours, divided so that noise stays as large.
 fn summed(column: &[f64], every: usize) -> Vec<f64> {
     column.chunks(every).map(|few| few.iter().sum::<f64>() / (every as f64).sqrt()).collect()
+}
+
+/// What formulas know as `load`: of the model as it is. Behind a joint, whose motion is not known, none.
+fn pressing(signals: &Signals, model: &Model) -> Vec<f64> {
+    let mut pressing = vec![0.0; signals.len()];
+    let values = model.values();
+    let p = model.of_run(&signals.run, &values);
+    for segment in signals.segments.iter().filter(|_| !model.is_coupled()) {
+        let mut state = vec![0.0; model.states()];
+        for at in segment.clone() {
+            let motion = signals.motion(at);
+            pressing[at] = model.load(&p, &mut state, &motion).pressing(motion.alpha);
+        }
+    }
+    pressing
 }
 
 /// What formulas know as `s`; every segment begins anew.

@@ -32,15 +32,17 @@ pub fn check(model: &Model, compared: Compared, what: &str) {
     for (&i, exact) in own.iter().zip(slopes) {
         let slot = &model.slots()[i];
         let h = compared.step * if p[i] == 0.0 { slot.param.scale() } else { p[i].abs() };
-        let beside = |step: f64| {
+        // Beyond its bounds a parameter may say something else.
+        let [down, up] = [-h, h].map(|step| (p[i] + step).clamp(slot.param.lower, slot.param.upper));
+        let at = |value: f64| {
             let mut moved = model.clone();
             let mut values = p.clone();
-            values[i] += step;
+            values[i] = value;
             moved.set_values(&values);
             torque(&moved).tau
         };
         let difference: Vec<f64> =
-            beside(h).iter().zip(beside(-h)).map(|(up, down)| (up - down) / (2.0 * h)).collect();
+            at(up).iter().zip(at(down)).map(|(above, below)| (above - below) / (up - down)).collect();
         let name = format!("{what}: {}", slot.name());
         // The difference itself rounds: torques of tenths of N m over 2 h.
         let allowed = compared.off * rms(exact.iter().copied()) + 1e-15 / h;

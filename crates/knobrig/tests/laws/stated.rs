@@ -14,13 +14,14 @@ use std::collections::HashMap;
 type Row = (&'static str, &'static str, &'static str, &'static [f64]);
 
 /// One of everything that a law may look at.
-const LAWS: [Row; 8] = [
+const LAWS: [Row; 9] = [
     ("of_speed", "load", "2 a (omega/w) / (1 + (omega/w)^2)", &[0.01, 3.0]),
     ("of_distance", "load", "a direction exp(-s/b)", &[0.01, 0.3]),
     ("of_time", "load", "a sin(v t + p)", &[0.005, 30.0, 0.4]),
     ("of_acceleration", "load", "m alpha cos(theta)^2 - h omega^2 sin(2 theta)", &[8e-5, 4e-5]),
     ("worn_in", "friction", "1 + r exp(-s/b)", &[0.8, 0.2]),
     ("tooth", "friction", "1 + h exp(-((theta - c)/b)^2)", &[2.0, 0.3, 0.2]),
+    ("mesh", "load", "(a + b exp(-|omega|/w)) |load| sign(omega)", &[0.3, 0.2, 2.0]),
     ("hum", "sensor", "a sin(v t)", &[0.004, 40.0]),
     ("pull_of_a_cable", "sensor", "g theta + c |omega|", &[0.004, 1e-3]),
 ];
@@ -111,9 +112,10 @@ fn derivatives_of_every_law_are_those_of_differences_also_behind_a_joint() {
 
 #[test]
 fn what_repeats_an_effect_of_the_catalogue_is_that_effect_in_every_motion() {
-    let repeats: [(Row, Id, &[f64]); 3] = [
+    let repeats: [(Row, Id, &[f64]); 4] = [
         (("drag_again", "load", "d omega |omega|", &[2e-3]), Id::QuadraticDrag, &[2e-3]),
         (("warmth_again", "friction", "1 + r exp(-t/b)", &[0.8, 0.5]), Id::FrictionDrift, &[0.8, 0.5]),
+        (("gear_again", "load", "m |load| sign(omega)", &[0.3]), Id::LoadFriction, &[0.3, 1.0, 1.0]),
         (("zero_again", "sensor", "c", &[0.003]), Id::Offset, &[0.003]),
     ];
     for (row, id, values) in repeats {

@@ -2,7 +2,7 @@
 
 use super::tree::{Node, tree};
 use super::written::Acts;
-use super::{Formula, Function, Op, OverAlpha, Variable};
+use super::{Formula, Function, Op, OverAlpha, Step, Variable};
 use crate::effects::User;
 use crate::effects::law::LEAST;
 use crate::error::{Error, Result};
@@ -43,6 +43,13 @@ $lines        Load::friction_scale(($answer).max(T::of($least)))
     }
 }
 ";
+const RUB: &str = "    #[inline(always)]
+    fn load<T: Scalar>($takes, $given: &Motion<T>) -> Load<T> {
+$lines        Load { mu: $answer, position_share: T::of(1.0), inertia_share: T::of(1.0), ..Load::none() }
+    }
+}
+";
+const BY_LOAD: &str = "    const MAKES_NONLINEAR: Option<Nonlinear> = Some(Nonlinear::ByLoad);\n";
 const SENSE: &str = "    #[inline(always)]
     fn sense<T: Scalar>($takes, motion: &Motion<T>, tau: T) -> T {
 $lines        tau + $answer
@@ -99,18 +106,26 @@ pub fn source(user: &User, id: &str, p: &[f64]) -> Result<Source> {
     let searched = params.iter().any(|param| param.kind == Kind::Nonlinear);
     let straight = acts == Acts::Load && law.over_alpha() == OverAlpha::Straight;
     let (lines, answer) = written(law, &names(law.params()));
+    // Friction per load may be the same in every motion.
+    let moves = [&lines, &answer].into_iter().any(|text| text.contains("motion."));
     let calls = searched || [&lines, &answer].into_iter().any(|text| text.contains("formula::"));
     let (kind, list) =
         if acts == Acts::Sensor { ("SensorEffect", "sensors") } else { ("LoadEffect", "loads") };
     let mut imports = vec!["Effect", kind, "Words"];
     imports.extend(searched.then_some("Survey"));
     imports.extend(calls.then_some("formula"));
+    imports.extend(law.rubs().then_some("Nonlinear"));
     imports.sort_unstable();
     let (touches, does, asked) = match acts {
         Acts::Sensor => (None, SENSE, "$Name::sense(&$values, &motion, 0.0)"),
         Acts::Friction => {
             (Some("Channel::FrictionScale"), SCALE, "$Name::load(&$values, &motion).friction_scale")
         }
+        Acts::Load if law.rubs() => (
+            Some("Channel::Mu, Channel::PositionShare, Channel::InertiaShare"),
+            RUB,
+            "motion.direction() * $Name::load(&$values, &motion).mu",
+        ),
         Acts::Load if straight => (Some("Channel::Drive, Channel::Inertia"), STRAIGHT, STORED),
         Acts::Load => (Some("Channel::Drive"), DRIVE, "$Name::load(&$values, &motion).drive"),
     };
@@ -122,6 +137,8 @@ pub fn source(user: &User, id: &str, p: &[f64]) -> Result<Source> {
         ("$does", does.to_owned()),
         ("$asked", asked.to_owned()),
         ("$touches", touches.map_or_else(String::new, |these| TOUCHES.replace("$these", these))),
+        ("$given", if moves { "motion" } else { "_" }.to_owned()),
+        ("$bends", if law.rubs() { BY_LOAD } else { "" }.to_owned()),
         ("$starts", if searched { STARTS } else { "" }.to_owned()),
         ("$motion", if acts == Acts::Sensor { "Motion" } else { "{Channel, Load, Motion}" }.to_owned()),
         ("$roles", if params.iter().any(held) { ", Usual" } else { "" }.to_owned()),
@@ -215,7 +232,10 @@ fn cases(law: &Formula, acts: Acts, p: &[f64]) -> Vec<([f64; 4], f64)> {
 
 /// A law in Rust: lines before it, for what it needs twice, and itself.
 fn written(law: &Formula, names: &[String]) -> (String, String) {
-    let nodes = tree(&law.steps);
+    // Friction under a load is what there is of it per load, forward.
+    let one = |op: Op| law.rubs() && matches!(op, Op::Motion(Variable::Load | Variable::Direction));
+    let forward = |step: &Step| Step { op: if one(step.op) { Op::Number(1.0) } else { step.op }, ..*step };
+    let nodes = tree(&law.steps.iter().map(forward).collect::<Vec<_>>());
     let mut uses = vec![0; nodes.len()];
     nodes.iter().flat_map(Node::parts).for_each(|part| uses[part] += 1);
     let mut texts: Vec<(String, u8)> = Vec::new();
@@ -232,6 +252,8 @@ fn written(law: &Formula, names: &[String]) -> (String, String) {
     (lines, texts.pop().map_or_else(String::new, |(text, _)| text))
 }
 
+/// A factor that says nothing.
+const ONE: &str = "T::of(1.0)";
 /// How strongly a text holds together: sums, products, what a method may be called of.
 const SUM: u8 = 0;
 const PRODUCT: u8 = 1;
@@ -256,6 +278,8 @@ fn said(node: &Node, texts: &[(String, u8)], names: &[String], splines: &[Vec<f6
         Op::Motion(variable) => (format!("motion.{}", variable.name()), ATOM),
         Op::Add => joined("+", SUM, PRODUCT),
         Op::Subtract => joined("-", SUM, PRODUCT),
+        Op::Multiply if left.0 == ONE => right,
+        Op::Multiply if right.0 == ONE => left,
         Op::Multiply => joined("*", PRODUCT, SIGNED),
         Op::Divide => joined("/", PRODUCT, SIGNED),
         Op::Negate => (format!("-{}", within(&left, ATOM)), SIGNED),

@@ -46,6 +46,8 @@ impl Formula {
                 Source::Motion(Variable::Alpha) => motion.alpha,
                 Source::Motion(Variable::Direction) => motion.direction(),
                 Source::Motion(Variable::Distance) => distance,
+                // Who asks what friction there is per load multiplies by it.
+                Source::Motion(Variable::Load) => T::of(1.0),
             };
             last = match *act {
                 Act::Take(source) => from(source),

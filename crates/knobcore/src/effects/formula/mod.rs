@@ -2,8 +2,8 @@
 //! numbers, for packs of samples and with exact derivatives. No code of anybody is run.
 //!
 //! Names that stand for the motion are `t`, `theta`, `omega`, `alpha`, `direction` (of the motion, -1 to 1; also
-//! `sign(omega)`) and `s` (the distance since the last reversal); every other name is a parameter. What no formula says is
-//! written as a spline through numbers.
+//! `sign(omega)`), `s` (the distance since the last reversal) and `abs(load)` (of what presses the sliding surfaces together);
+//! every other name is a parameter. What no formula says is written as a spline through numbers.
 
 pub mod catalogued;
 mod distance;
@@ -56,11 +56,13 @@ pub enum Variable {
     Direction,
     /// The distance since the last reversal, rad.
     Distance,
+    /// The magnitude of the load that presses the sliding surfaces together, N m.
+    Load,
 }
 
 impl Variable {
-    const ALL: [Self; 6] =
-        [Self::Time, Self::Theta, Self::Omega, Self::Alpha, Self::Direction, Self::Distance];
+    const ALL: [Self; 7] =
+        [Self::Time, Self::Theta, Self::Omega, Self::Alpha, Self::Direction, Self::Distance, Self::Load];
 
     /// As it is written.
     pub fn name(self) -> &'static str {
@@ -71,6 +73,7 @@ impl Variable {
             Self::Alpha => "alpha",
             Self::Direction => "direction",
             Self::Distance => "s",
+            Self::Load => "load",
         }
     }
 
@@ -245,7 +248,7 @@ impl Formula {
         let mut class = Class::Free;
         for param in 0..self.params.len() {
             together.push(param);
-            match self.class(|op| matches!(op, Op::Parameter(at) if together.contains(&at))) {
+            match self.class(|_, op| matches!(op, Op::Parameter(at) if together.contains(&at))) {
                 Class::Other => {
                     together.pop();
                 }
@@ -301,22 +304,46 @@ impl Formula {
 
     /// How the law follows the acceleration.
     pub fn over_alpha(&self) -> OverAlpha {
-        match self.class(|op| op == Op::Motion(Variable::Alpha)) {
+        match self.class(|_, op| op == Op::Motion(Variable::Alpha)) {
             Class::Free => OverAlpha::Not,
             Class::Proportional | Class::Affine => OverAlpha::Straight,
             Class::Other => OverAlpha::Bent,
         }
     }
 
-    /// How the law depends on these numbers.
-    fn class(&self, of: impl Fn(Op) -> bool) -> Class {
+    /// Where a law stands that looks at the load and is no friction under it: not in proportion to `abs(load) sign(omega)`.
+    fn misloaded(&self) -> Option<usize> {
+        let magnitude = |at: usize, op: Op| {
+            let of = |before: &Step| before.op == Op::Motion(Variable::Load);
+            op == Op::Call(Function::Abs) && at.checked_sub(1).is_some_and(|at| of(&self.steps[at]))
+        };
+        let direction = |_: usize, op: Op| op == Op::Motion(Variable::Direction);
+        let rubs =
+            self.class(magnitude) == Class::Proportional && self.class(direction) == Class::Proportional;
+        let mut loads = (0..self.steps.len()).filter(|at| self.steps[*at].op == Op::Motion(Variable::Load));
+        let bare = |at: &usize| self.steps.get(at + 1).is_none_or(|next| !magnitude(at + 1, next.op));
+        loads.find(|at| !rubs || bare(at)).map(|at| self.steps[at].at)
+    }
+
+    /// Where it looks at a load, if it does: it then is friction under it.
+    fn loaded(&self) -> Option<usize> {
+        self.steps.iter().find(|step| step.op == Op::Motion(Variable::Load)).map(|step| step.at)
+    }
+
+    /// Whether it is friction under a load.
+    pub fn rubs(&self) -> bool {
+        self.loaded().is_some()
+    }
+
+    /// How the law depends on the numbers that these steps leave.
+    fn class(&self, of: impl Fn(usize, Op) -> bool) -> Class {
         use Class::{Affine, Free, Other, Proportional};
         let mut stack = Vec::new();
-        for step in &self.steps {
+        for (at, step) in self.steps.iter().enumerate() {
             let right = if step.op.takes() > 0 { stack.pop().unwrap_or(Other) } else { Free };
             let left = if step.op.takes() > 1 { stack.pop().unwrap_or(Other) } else { Free };
             stack.push(match step.op {
-                op if op.takes() == 0 && of(op) => Proportional,
+                op if of(at, op) => Proportional,
                 Op::Number(_) | Op::Motion(_) | Op::Parameter(_) => Free,
                 Op::Negate => right,
                 Op::Add | Op::Subtract => match (left, right) {

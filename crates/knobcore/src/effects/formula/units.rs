@@ -136,6 +136,7 @@ pub(super) fn inferred(
             Op::Number(_) | Op::Motion(Variable::Direction) => right,
             Op::Motion(variable) => {
                 let known = match variable {
+                    Variable::Load => [1.0, 0.0, 0.0],
                     Variable::Time => [0.0, 0.0, 1.0],
                     Variable::Theta | Variable::Distance => [0.0, 1.0, 0.0],
                     Variable::Omega => [0.0, 1.0, -1.0],

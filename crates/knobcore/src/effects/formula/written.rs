@@ -4,7 +4,7 @@ use super::powers::EXPONENTS;
 use super::{Formula, Mistake, OverAlpha};
 use crate::effects::law::Stated;
 use crate::effects::user::{Does, User};
-use crate::effects::{Info, Place};
+use crate::effects::{Info, Nonlinear, Place};
 use crate::error::{Error, Result};
 use crate::motion::Channel;
 use crate::param::{Kind, Param, Unit, Usual};
@@ -87,6 +87,7 @@ impl Acts {
         match self {
             Self::Sensor => &[],
             Self::Friction => &[Channel::FrictionScale],
+            Self::Load if law.rubs() => &[Channel::Mu, Channel::PositionShare, Channel::InertiaShare],
             Self::Load if law.over_alpha() == OverAlpha::Straight => &[Channel::Drive, Channel::Inertia],
             Self::Load => &[Channel::Drive],
         }
@@ -127,6 +128,10 @@ pub fn made(id: &str, acts: &str, text: &str, asked: &HashMap<String, Asked>) ->
     if let Some((at, name)) = law.idle() {
         return Err(bad(Mistake { at, why: format!("'{name}' changes nothing; leave it out") }));
     }
+    if let Some(at) = law.misloaded().or_else(|| law.loaded().filter(|_| acts != Acts::Load)) {
+        let why = "a load makes friction, which is a torque in proportion to abs(load)*sign(omega)".into();
+        return Err(bad(Mistake { at, why }));
+    }
     let linear = if acts == Acts::Friction { Vec::new() } else { law.linear() };
     // A law that is proportional to nothing changes nothing where one of its shapes is nought, as in 1 + a x.
     let silent = if linear.is_empty() { law.silent_without(acts.neutral()) } else { None };
@@ -163,7 +168,9 @@ pub fn made(id: &str, acts: &str, text: &str, asked: &HashMap<String, Asked>) ->
     let params: Vec<Param> = rows.into_iter().map(Row::param).collect();
     let id: &'static str = id.to_owned().leak();
     let own = Info::own(id, acts.place(), shown, params.leak(), acts.touches(&law));
-    let info: &'static Info = Box::leak(Box::new(Info { source: "a formula of one's own", ..own }));
+    let makes_nonlinear = law.rubs().then_some(Nonlinear::ByLoad);
+    let own = Info { source: "a formula of one's own", makes_nonlinear, ..own };
+    let info: &'static Info = Box::leak(Box::new(own));
     let user = User::made(info, law.remembers(), Vec::new(), Does::Formula(Stated::new(info, law)))?;
     made.push(user);
     Ok(user)

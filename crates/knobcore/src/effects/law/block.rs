@@ -186,6 +186,7 @@ impl<'a> Totals<'a> {
 
     /// Brings in what was worked out for the block, into one channel.
     pub(super) fn add_block(&mut self, channel: Channel, own: &[f64; BLOCK]) {
+        self.by_load |= channel == Channel::Mu;
         for (total, own) in self.channels[channel as usize].iter_mut().zip(own) {
             *total = if channel == Channel::FrictionScale { *total * own } else { *total + own };
         }

@@ -15,6 +15,12 @@ use std::ops::Range;
 const LANES: usize = 2;
 /// Parameter values that are kept of what fails.
 const TOLD: usize = 12;
+/// Columns of a motion.
+const ALPHA: usize = 3;
+const FORWARD: usize = 4;
+/// A block of one number.
+const NOUGHT: [f64; BLOCK] = [0.0; BLOCK];
+const ONE: [f64; BLOCK] = [1.0; BLOCK];
 
 /// Where a law had no value: which, what it answered, its motion and parameters. In place, since a rendered step may
 /// neither allocate nor wait.
@@ -32,7 +38,10 @@ thread_local! {
     static FAILED: Cell<Option<Failure>> = const { Cell::new(None) };
 }
 
-/// An effect that is written as a formula: a load, a factor on the dry friction, or what a sensor adds.
+/// What a law brings into a channel: how many times what it answers, and in which motion if not in that of the block.
+type Brought = (Channel, f64, Option<(usize, &'static [f64; BLOCK])>);
+
+/// An effect that is written as a formula: a load, friction under one, a factor on the dry friction, or what a sensor adds.
 pub struct Stated {
     info: &'static Info,
     /// Its formula.
@@ -82,7 +91,9 @@ impl Stated {
     fn add<T: Scalar>(&self, p: &[T], state: &mut [T], motion: &Motion<T>, sum: &mut Load<T>) {
         let distance = if self.law.remembers() { follow(state, motion) } else { T::ZERO };
         let mut room = Room::new();
-        let own = if self.stores() {
+        let own = if self.channel() == Channel::Mu {
+            self.law.worked(&mut room, p, &Motion { forward: T::of(1.0), ..*motion }, distance)
+        } else if self.stores() {
             let at = Motion { alpha: T::ZERO, ..*motion };
             let still = self.law.worked(&mut room, p, &at, distance);
             let at = Motion { alpha: T::of(1.0), ..at };
@@ -97,23 +108,30 @@ impl Stated {
             values.iter_mut().zip(p).for_each(|(value, p)| *value = p.value());
             self.fail(&values, value, [motion.theta.value(), motion.omega.value()]);
         }
-        if self.channel() == Channel::FrictionScale {
-            let factor = if value.is_finite() { own.max(T::of(LEAST)) } else { own };
-            sum.friction_scale = sum.friction_scale * factor;
-        } else {
-            sum.drive = sum.drive + own;
+        match self.channel() {
+            Channel::FrictionScale => {
+                let factor = if value.is_finite() { own.max(T::of(LEAST)) } else { own };
+                sum.friction_scale = sum.friction_scale * factor;
+            }
+            Channel::Mu => {
+                sum.mu = sum.mu + own;
+                sum.position_share = sum.position_share + T::of(1.0);
+                sum.inertia_share = sum.inertia_share + T::of(1.0);
+            }
+            _ => sum.drive = sum.drive + own,
         }
     }
 
-    /// What it brings into which channels: how many times what it answers, and at which acceleration if not at that of
-    /// the motion.
-    fn brings(&self) -> &'static [(Channel, f64, Option<&'static [f64; BLOCK]>)] {
+    /// What it brings into which channels.
+    fn brings(&self) -> &'static [Brought] {
         match self.channel() {
             Channel::FrictionScale => &[(Channel::FrictionScale, 1.0, None)],
+            // Friction per load, to which the direction comes with what there is of it both ways.
+            Channel::Mu => &[(Channel::Mu, 1.0, Some((FORWARD, &ONE)))],
             _ if self.stores() => &[
-                (Channel::Drive, 1.0, Some(&[0.0; BLOCK])),
-                (Channel::Inertia, 1.0, Some(&[1.0; BLOCK])),
-                (Channel::Inertia, -1.0, Some(&[0.0; BLOCK])),
+                (Channel::Drive, 1.0, Some((ALPHA, &NOUGHT))),
+                (Channel::Inertia, 1.0, Some((ALPHA, &ONE))),
+                (Channel::Inertia, -1.0, Some((ALPHA, &NOUGHT))),
             ],
             _ => &[(Channel::Drive, 1.0, None)],
         }
@@ -171,10 +189,10 @@ impl Stated {
     }
 }
 
-/// A motion with another acceleration, where one is given.
-fn accelerated<'a>(mut motion: [&'a [f64]; 5], alpha: Option<&'static [f64; BLOCK]>) -> [&'a [f64]; 5] {
-    if let Some(alpha) = alpha {
-        motion[3] = alpha;
+/// A motion with another column, where one is given.
+fn changed<'a>(mut motion: [&'a [f64]; 5], other: Option<(usize, &'static [f64; BLOCK])>) -> [&'a [f64]; 5] {
+    if let Some((at, column)) = other {
+        motion[at] = column;
     }
     motion
 }
@@ -225,11 +243,15 @@ impl Law for Stated {
     fn total(&self, p: &[f64], kept: &mut [f64], totals: &mut Totals<'_>) {
         if self.loads() {
             let (motion, distance) = (totals.motion, part(kept, totals.block.clone()));
-            for (channel, times, alpha) in self.brings() {
+            for (channel, times, other) in self.brings() {
                 let mut own = [0.0; BLOCK];
-                self.block(p, &accelerated(motion, *alpha), distance, &mut own);
+                self.block(p, &changed(motion, *other), distance, &mut own);
                 own.iter_mut().for_each(|own| *own *= times);
                 totals.add_block(*channel, &own);
+            }
+            if self.channel() == Channel::Mu {
+                totals.add_block(Channel::PositionShare, &ONE);
+                totals.add_block(Channel::InertiaShare, &ONE);
             }
         }
     }
@@ -240,8 +262,8 @@ impl Law for Stated {
         }
         let (motion, block) = (gradient.totals.motion, gradient.totals.block.clone());
         let distance = part(kept, block);
-        for (channel, times, alpha) in self.brings() {
-            let motion = accelerated(motion, *alpha);
+        for (channel, times, other) in self.brings() {
+            let motion = changed(motion, *other);
             // A factor is told from the others that it multiplies by itself.
             let mut weight = [*times; BLOCK];
             if *channel == Channel::FrictionScale {

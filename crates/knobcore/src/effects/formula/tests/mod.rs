@@ -44,6 +44,8 @@ fn formulas_are_read_as_people_write_them() {
         ("tanh(0.5)", 0.5_f64.tanh()),
         ("tan(0.5) - log(2.5)", 0.5_f64.tan() - 2.5_f64.ln()),
         (".5alpha", 3.5),
+        // Per load that presses.
+        ("0.1 |load| sign(omega)", -0.1),
         ("spline(theta, 0, -3, 0, 0)", -(5.832 - 2.048) / 2.0),
         ("spline(2 theta, 1, 1, 1, 1, 1, 1) + spline(-theta - 0.8, 1, 1, 1, 1)", 1.0),
     ] {
@@ -89,6 +91,30 @@ fn what_is_no_law_is_refused_at_its_place() {
 }
 
 #[test]
+fn what_looks_at_a_load_is_friction_under_it() {
+    for (text, at) in [
+        ("a load", 2),
+        ("a |load|", 3),
+        ("a load sign(omega)", 2),
+        ("a |load - b| sign(omega)", 3),
+        ("a |load|^2 sign(omega)", 3),
+        ("a + b |load| sign(omega)", 7),
+        ("a |load| tanh(omega/w)", 3),
+        ("a |load| sign(omega) direction", 3),
+    ] {
+        assert_eq!(law(text).misloaded(), Some(at), "{text}");
+    }
+    for text in ["a |load| sign(omega)", "sign(omega) (a abs(load) theta - |load| b)", "a theta"] {
+        assert_eq!(law(text).misloaded(), None, "{text}");
+    }
+    let refused = |acts: &str, text: &str| written::made("pressed", acts, text, &HashMap::new());
+    for (acts, text) in [("friction", "1 + a |load| sign(omega)"), ("sensor", "a |load| sign(omega)")] {
+        let error = refused(acts, text).unwrap_err().to_string();
+        assert!(error.contains("abs(load)*sign(omega)") && error.contains("'load"), "{error}");
+    }
+}
+
+#[test]
 fn units_of_parameters_follow_from_the_law() {
     let units = |text: &str| law(text).units(&HashMap::new(), TORQUE).unwrap();
     assert_eq!(units("2 a (omega/w) / (1 + (omega/w)^2)"), [TORQUE, Unit::of(0, 1, -1)]);
@@ -103,6 +129,8 @@ fn units_of_parameters_follow_from_the_law() {
     assert_eq!(law("a b omega").units(&given, TORQUE).unwrap()[0], TORQUE);
     let wrong = HashMap::from([("w", Unit::of(0, 1, 0))]);
     assert!(law("a/(1 + omega/w)").units(&wrong, TORQUE).unwrap_err().why.contains("other units"));
+    // What rubs under a load does so in proportion to it.
+    assert_eq!(units("mu exp(-|omega|/w) abs(load) sign(omega)"), [Unit::NUMBER, Unit::of(0, 1, -1)]);
     // What multiplies the dry friction is a pure number.
     assert_eq!(law("1 + a cos(theta)").units(&HashMap::new(), Unit::NUMBER).unwrap(), [Unit::NUMBER]);
 }

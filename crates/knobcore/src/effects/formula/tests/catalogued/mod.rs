@@ -5,11 +5,12 @@
 mod crank;
 mod eddy_brake;
 mod hum;
+mod mesh;
 mod tooth;
 
 use crate::effects::formula::catalogued::source;
 use crate::effects::formula::written::{Asked, made};
-use crate::effects::{Effect, LoadEffect, SensorEffect, Survey, Words, formula};
+use crate::effects::{Effect, LoadEffect, Nonlinear, SensorEffect, Survey, Words, formula};
 use crate::motion::Motion;
 use crate::random::Noise;
 use crate::scalar::{Dual, Scalar};
@@ -75,11 +76,24 @@ fn an_effect_that_was_written_from_a_formula_is_that_formula() {
         |p, motion| hum::Hum::sense(p, motion, D::of(0.0)),
     );
     held(
+        ["mesh", "load", "a (1 + b exp(-|omega|/w)) |load| sign(omega)"],
+        ([0.1, 0.5, 2.0], &[("w", bounds(0.1, 50.0))]),
+        include_str!("mesh.rs"),
+        |p, motion| motion.direction() * mesh::Mesh::load(p, motion).mu,
+    );
+    held(
         ["crank", "load", "m alpha cos(theta)^2 - h omega^2 sin(2 theta) + g max(theta - c, 0)"],
         ([8e-5, 4e-5, -1e-3, 0.1], &[]),
         include_str!("crank.rs"),
         load::<4, crank::Crank>,
     );
+}
+
+#[test]
+fn friction_per_load_that_is_always_the_same_looks_at_no_motion() {
+    let user = made("plain_mesh", "load", "sign(omega) a |load|", &HashMap::new()).unwrap();
+    let text = source(user, "gears", &[0.1]).unwrap().text;
+    assert!(text.contains("&[a]: &[T; 1], _: &Motion<T>)") && text.contains("mu: a,"), "{text}");
 }
 
 #[test]
