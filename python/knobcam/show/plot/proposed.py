@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 _BOTH = LinearSegmentedColormap.from_list("both", [BLUE, "white", VERMILLION])
 _COLOURS = (VERMILLION, BLUE, GREEN)
+_LONG = 40  # what is written along an axis
 _UNITS = {"t": "s", "theta": "rad", "omega": "rad/s", "alpha": "rad/s^2", "s": "rad"}
 
 
@@ -50,7 +51,8 @@ def _curve(axis: Axes, proposals: Proposals, curve: Curve) -> None:
         axis.plot(x, law, color=colour, lw=1.2, ls="--", label=f"law {number}")
     unit = proposals.beside.torque_unit
     axis.set_xlabel(f"{curve.over} ({_UNITS.get(curve.over, '')})")
-    axis.set_ylabel(f"residual torque ({unit})" if not curve.times else f"residual / ({curve.times})")
+    times = curve.times if len(curve.times) <= _LONG else "all else of law 1"
+    axis.set_ylabel(f"residual torque ({unit})" if not times else f"residual / ({times})")
     legend_above(axis)
 
 
