@@ -44,6 +44,17 @@ export function unitWords(unit) {
 }
 
 /**
+ * How a unit is written that has that of the torques in it: as in the plots. An inertia has a name of its own.
+ * @param {string} unit
+ * @param {{unit: string, peak: number}} about as of torqueScale
+ */
+export function scaleOf(unit, about) {
+  const torque = torqueScale(about);
+  const own = !(unit in SHORT) && (unit === about.unit || unit.startsWith(`${about.unit} `) || unit.startsWith(`${about.unit}/`));
+  return own ? { factor: torque.factor, unit: unit.replace(about.unit, torque.unit) } : { factor: 1, unit };
+}
+
+/**
  * What moves the knob, by its unit.
  * @param {string} unit
  */

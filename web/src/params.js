@@ -2,7 +2,7 @@
 
 import { byId, make } from "./dom.js";
 import { paramOf, titleOf } from "./names.js";
-import { number, unitWords } from "./numbers.js";
+import { number, scaleOf, unitWords } from "./numbers.js";
 import { sentence } from "./said.js";
 
 /** @typedef {import("./types.js").Param} Param */
@@ -18,7 +18,7 @@ export class Params {
   constructor(place, deeds) {
     this.place = place;
     this.deeds = deeds;
-    /** @type {Map<string, {slider: HTMLInputElement, value: HTMLElement, error: HTMLElement, low: number, high: number}>} */
+    /** @type {Map<string, {slider: HTMLInputElement, value: HTMLElement, error: HTMLElement, low: number, high: number, factor: number}>} */
     this.rows = new Map();
     /** @type {string} */
     this.shape = "";
@@ -27,15 +27,17 @@ export class Params {
   /** @param {Param[]} params @param {import("./types.js").Together[]} together @param {import("./said.js").About} about */
   show(params, together, about) {
     showTogether(together);
-    const shape = JSON.stringify(params.map(({ name, fitted, lower, upper }) => [name, fitted, lower, upper]));
+    const units = params.map(({ unit }) => scaleOf(unit, about));
+    const shape = JSON.stringify(params.map(({ name, fitted, lower, upper }, at) => [name, fitted, lower, upper, units[at]]));
     if (shape !== this.shape) this.build(params, about);
     this.shape = shape;
-    for (const param of params) {
+    for (const [at, param] of params.entries()) {
       const row = this.rows.get(param.name);
       if (!row) continue;
-      row.value.textContent = number(param.value, 4);
+      const shown = number(param.value * row.factor, 4);
+      row.value.textContent = shown;
       row.error.hidden = param.dragged; // of the fitted value, not of one that a hand gave
-      row.slider.setAttribute("aria-valuetext", `${number(param.value, 4)} ${param.unit}`);
+      row.slider.setAttribute("aria-valuetext", `${shown} ${units[at].unit}`);
       row.value.classList.toggle("moved", param.dragged);
       if (document.activeElement !== row.slider) row.slider.value = String(place(param.value, row));
     }
@@ -50,7 +52,7 @@ export class Params {
       this.heading(effect, groups.size > 1),
       ...own.flatMap((param) => {
         const doubt = param.doubt ? sentence(withoutName(param.doubt, param.name), about).trim() : "";
-        return [this.line(param, doubt), own.length <= WORDED ? meaning(param) : "", reason(doubt)];
+        return [this.line(param, doubt, scaleOf(param.unit, about)), own.length <= WORDED ? meaning(param) : "", reason(doubt)];
       }),
     ]);
     const widths = make("colgroup", {}, ...["name", "slide", "value", "unit"].map((name) => make("col", { class: name })));
@@ -68,8 +70,8 @@ export class Params {
     return make("tr", { class: "effect" }, name, make("td", { class: "remove" }, removable ? drop : ""));
   }
 
-  /** @param {Param} param @param {string} doubted why its value is doubted */
-  line(param, doubted) {
+  /** @param {Param} param @param {string} doubted why its value is doubted @param {ReturnType<typeof scaleOf>} scale */
+  line(param, doubted, { factor, unit }) {
     const { low, high } = span(param);
     const slider = make("input", {
       ...{ type: "range", min: 0, max: STEPS, step: 1, value: place(param.value, { low, high }) },
@@ -77,9 +79,9 @@ export class Params {
       on: { input: () => this.drag(param.name) },
     });
     const value = make("span", { class: "figure" });
-    const error = make("span", { class: "error soft figure", text: plusMinus(param) });
-    this.rows.set(param.name, { slider, value, error, low, high });
-    const between = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
+    const error = make("span", { class: "error soft figure", text: plusMinus(param, factor) });
+    this.rows.set(param.name, { slider, value, error, low, high, factor });
+    const between = param.ci95 ? param.ci95.map((end) => number(end * factor)).join(" … ") : "not determined";
     const doubt = doubted ? make("span", { class: "doubt", text: " ⚠", "aria-hidden": "true" }) : null;
     const about = [param.name, param.meaning, doubted].filter(Boolean).join(": ");
     return make(
@@ -87,8 +89,8 @@ export class Params {
       {},
       make("th", { scope: "row", title: about }, param.name.split(".").slice(1).join("."), doubt),
       make("td", { class: "slide" }, interval(param.ci95, { low, high }), slider),
-      make("td", { class: "value", title: `95 % interval ${between} ${param.unit}` }, value, " ", error),
-      make("td", { class: "soft unit", text: unitWords(param.unit), title: param.unit }),
+      make("td", { class: "value", title: `95 % interval ${between} ${unit}` }, value, " ", error),
+      make("td", { class: "soft unit", text: unitWords(unit), title: unit }),
     );
   }
 
@@ -97,7 +99,7 @@ export class Params {
     const row = this.rows.get(name);
     if (!row) return;
     const value = row.low + (Number(row.slider.value) / STEPS) * (row.high - row.low);
-    row.value.textContent = number(value, 4);
+    row.value.textContent = number(value * row.factor, 4);
     row.value.classList.add("moved");
     this.deeds.drag({ [name]: value });
   }
@@ -141,10 +143,11 @@ function span({ fitted, ci95, lower, upper }) {
 /**
  * Half the 95 % interval, in as many digits as it is known to.
  * @param {Pick<Param, "ci95" | "role">} param
+ * @param {number} [factor] from SI to the unit that is shown
  */
-export function plusMinus({ ci95, role }) {
+export function plusMinus({ ci95, role }, factor = 1) {
   if (!ci95) return role === "fixed" ? "fixed" : "± ?";
-  return ci95[1] > ci95[0] ? `± ${number(0.5 * (ci95[1] - ci95[0]), 2)}` : "";
+  return ci95[1] > ci95[0] ? `± ${number(0.5 * factor * (ci95[1] - ci95[0]), 2)}` : "";
 }
 
 /**

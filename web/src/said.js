@@ -2,7 +2,7 @@
 
 import { AXES } from "./contents.js";
 import { named, paramOf, titleOf } from "./names.js";
-import { motionWords, number, torqueScale, torqueWord, unitWords } from "./numbers.js";
+import { motionWords, number, scaleOf, torqueWord, unitWords } from "./numbers.js";
 
 /** @typedef {import("./types.js").Stretch} Stretch */
 /** @typedef {import("./types.js").Finding["said"][number]} Part */
@@ -86,11 +86,6 @@ function stretch({ low, high, unit, direction }, about) {
   const scale = scaleOf(unit, about);
   const [from, to] = [low, high].map((end) => number(end * scale.factor, 4));
   return `${from} to ${to} ${unitWords(scale.unit)}${DIRECTIONS.get(direction) ?? ""}`;
-}
-
-/** How a unit is written: that of the torques as in the plots. @param {string} unit @param {About} about */
-function scaleOf(unit, about) {
-  return unit === about.unit ? torqueScale(about) : { factor: 1, unit };
 }
 
 /** @param {string} axis */

@@ -21,6 +21,9 @@ test("a stretch of an axis is in words, along the load in the unit of the torque
   assert.equal(sentence(["worst at ", place, "."], KNOB), "worst at −0.9667 to −0.9 rad forward.");
   assert.equal(sentence([{ ...place, axis: "load", unit: "N m", low: 0.001, high: 0.002, direction: 0 }], KNOB), "1 to 2 mNm");
   assert.equal(sentence([{ along: "history" }], KNOB), "distance since reversal");
+  const drag = /** @type {const} */ ({ value: 0.00123, unit: "N m s/rad", text: "0.00123" });
+  assert.equal(sentence([drag], KNOB), "1.23\u00a0mNm s/rad");
+  assert.equal(sentence([{ ...drag, unit: "N m s^2/rad" }], KNOB), "0.00123\u00a0kg m²");
 });
 
 test("columns are called by what they are of a knob, of a slide and of a motor", () => {

@@ -60,6 +60,7 @@ test("of requests that pile up only the newest is made", async () => {
 
 test("a parameter says half its interval, that it is fixed, or that nothing determines it", () => {
   assert.equal(plusMinus({ ci95: [0.9, 1.1], role: "free" }), "± 0.1");
+  assert.equal(plusMinus({ ci95: [0.9, 1.1], role: "free" }, 1000), "± 100");
   assert.equal(plusMinus({ ci95: null, role: "fixed" }), "fixed");
   assert.equal(plusMinus({ ci95: null, role: "free" }), "± ?");
   assert.equal(plusMinus({ ci95: [1, 1], role: "free" }), "");

@@ -137,6 +137,11 @@ var SHORT = { "N s^2/m": "kg", "N m s^2/rad": "kg m²", 1: "" };
 function unitWords(unit) {
   return SHORT[unit] ?? unit.replaceAll("^2", "²").replaceAll("^3", "³");
 }
+function scaleOf(unit, about2) {
+  const torque = torqueScale(about2);
+  const own = !(unit in SHORT) && (unit === about2.unit || unit.startsWith(`${about2.unit} `) || unit.startsWith(`${about2.unit}/`));
+  return own ? { factor: torque.factor, unit: unit.replace(about2.unit, torque.unit) } : { factor: 1, unit };
+}
 function torqueWord(unit) {
   const words3 = { N: "force", A: "current", V: "voltage", duty: "duty cycle" };
   return words3[unit] ?? "torque";
@@ -595,9 +600,6 @@ function stretch({ low, high, unit, direction }, about2) {
   const scale = scaleOf(unit, about2);
   const [from, to] = [low, high].map((end) => number(end * scale.factor, 4));
   return `${from} to ${to} ${unitWords(scale.unit)}${DIRECTIONS.get(direction) ?? ""}`;
-}
-function scaleOf(unit, about2) {
-  return unit === about2.unit ? torqueScale(about2) : { factor: 1, unit };
 }
 function axisWord(axis2) {
   return AXES[
@@ -4184,15 +4186,17 @@ var Params = class {
   /** @param {Param[]} params @param {import("./types.js").Together[]} together @param {import("./said.js").About} about */
   show(params, together, about2) {
     showTogether(together);
-    const shape = JSON.stringify(params.map(({ name, fitted, lower, upper }) => [name, fitted, lower, upper]));
+    const units = params.map(({ unit }) => scaleOf(unit, about2));
+    const shape = JSON.stringify(params.map(({ name, fitted, lower, upper }, at) => [name, fitted, lower, upper, units[at]]));
     if (shape !== this.shape) this.build(params, about2);
     this.shape = shape;
-    for (const param of params) {
+    for (const [at, param] of params.entries()) {
       const row = this.rows.get(param.name);
       if (!row) continue;
-      row.value.textContent = number(param.value, 4);
+      const shown2 = number(param.value * row.factor, 4);
+      row.value.textContent = shown2;
       row.error.hidden = param.dragged;
-      row.slider.setAttribute("aria-valuetext", `${number(param.value, 4)} ${param.unit}`);
+      row.slider.setAttribute("aria-valuetext", `${shown2} ${units[at].unit}`);
       row.value.classList.toggle("moved", param.dragged);
       if (document.activeElement !== row.slider) row.slider.value = String(place3(param.value, row));
     }
@@ -4206,7 +4210,7 @@ var Params = class {
       this.heading(effect, groups.size > 1),
       ...own.flatMap((param) => {
         const doubt = param.doubt ? sentence(withoutName(param.doubt, param.name), about2).trim() : "";
-        return [this.line(param, doubt), own.length <= WORDED ? meaning(param) : "", reason(doubt)];
+        return [this.line(param, doubt, scaleOf(param.unit, about2)), own.length <= WORDED ? meaning(param) : "", reason(doubt)];
       })
     ]);
     const widths = make("colgroup", {}, ...["name", "slide", "value", "unit"].map((name) => make("col", { class: name })));
@@ -4222,8 +4226,8 @@ var Params = class {
     const name = make("th", { scope: "rowgroup", colspan: 3, text: titleOf(effect), title: effect });
     return make("tr", { class: "effect" }, name, make("td", { class: "remove" }, removable ? drop : ""));
   }
-  /** @param {Param} param @param {string} doubted why its value is doubted */
-  line(param, doubted) {
+  /** @param {Param} param @param {string} doubted why its value is doubted @param {ReturnType<typeof scaleOf>} scale */
+  line(param, doubted, { factor, unit }) {
     const { low, high } = span3(param);
     const slider = make("input", {
       ...{ type: "range", min: 0, max: STEPS, step: 1, value: place3(param.value, { low, high }) },
@@ -4231,9 +4235,9 @@ var Params = class {
       on: { input: () => this.drag(param.name) }
     });
     const value = make("span", { class: "figure" });
-    const error = make("span", { class: "error soft figure", text: plusMinus(param) });
-    this.rows.set(param.name, { slider, value, error, low, high });
-    const between3 = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
+    const error = make("span", { class: "error soft figure", text: plusMinus(param, factor) });
+    this.rows.set(param.name, { slider, value, error, low, high, factor });
+    const between3 = param.ci95 ? param.ci95.map((end) => number(end * factor)).join(" … ") : "not determined";
     const doubt = doubted ? make("span", { class: "doubt", text: " ⚠", "aria-hidden": "true" }) : null;
     const about2 = [param.name, param.meaning, doubted].filter(Boolean).join(": ");
     return make(
@@ -4241,8 +4245,8 @@ var Params = class {
       {},
       make("th", { scope: "row", title: about2 }, param.name.split(".").slice(1).join("."), doubt),
       make("td", { class: "slide" }, interval(param.ci95, { low, high }), slider),
-      make("td", { class: "value", title: `95 % interval ${between3} ${param.unit}` }, value, " ", error),
-      make("td", { class: "soft unit", text: unitWords(param.unit), title: param.unit })
+      make("td", { class: "value", title: `95 % interval ${between3} ${unit}` }, value, " ", error),
+      make("td", { class: "soft unit", text: unitWords(unit), title: unit })
     );
   }
   /** @param {string} name */
@@ -4250,7 +4254,7 @@ var Params = class {
     const row = this.rows.get(name);
     if (!row) return;
     const value = row.low + Number(row.slider.value) / STEPS * (row.high - row.low);
-    row.value.textContent = number(value, 4);
+    row.value.textContent = number(value * row.factor, 4);
     row.value.classList.add("moved");
     this.deeds.drag({ [name]: value });
   }
@@ -4277,9 +4281,9 @@ function span3({ fitted, ci95, lower, upper }) {
   const reach2 = Math.max(Math.abs(fitted), half, 1e-9);
   return { low: Math.max(fitted - reach2, lower ?? -Infinity), high: Math.min(fitted + reach2, upper ?? Infinity) };
 }
-function plusMinus({ ci95, role }) {
+function plusMinus({ ci95, role }, factor = 1) {
   if (!ci95) return role === "fixed" ? "fixed" : "± ?";
-  return ci95[1] > ci95[0] ? `± ${number(0.5 * (ci95[1] - ci95[0]), 2)}` : "";
+  return ci95[1] > ci95[0] ? `± ${number(0.5 * factor * (ci95[1] - ci95[0]), 2)}` : "";
 }
 function interval(ci95, { low, high }) {
   if (!ci95 || !(high > low)) return null;
