@@ -17,7 +17,7 @@ from knobcam.fit.beyond import Beyond
 from knobcam.fit.diagnose import Diagnosis
 from knobcam.fit.forward import Forward, ForwardRun
 from knobcam.fit.rule import RULE
-from knobcam.learn import exchanged, proposals, selection
+from knobcam.learn import exchanged, proposing, selection
 from knobcam.learn.ladder import LearningStep, Unexplained
 from knobcam.learn.learning import LearningResult
 from knobcam.learn.proposals import Proposal, Proposals
@@ -105,7 +105,7 @@ def test_of_what_a_ladder_says_in_the_end(monkeypatch: pytest.MonkeyPatch) -> No
         )
         told.put("  said", LearningResult._judged.fget(story))  # type: ignore[attr-defined]
         story.verdict = LearningResult.verdict.fget(story)  # type: ignore[attr-defined]
-        told.put("  verdict", [story.verdict, proposals._needless(story), proposals._closed(story)])
+        told.put("  verdict", [story.verdict, proposing._needless(story), proposing._closed(story)])
         told.put("  bars", LearningResult._bars(story))
     told.done()
 
@@ -146,13 +146,13 @@ def test_of_which_laws_are_proposed_and_which_names_do_as_well() -> None:
             for gain in (0.0, 20.0, 60.0, 400.0):
                 for left in (base, noise_alone):
                     law: Any = SimpleNamespace(gain=gain, score=gain - RULE.price * 2, fit=left)
-                    told.put("  named", proposals._named(story, base, law))
+                    told.put("  named", proposing._named(story, base, law))
         if fit.noise_floor > 0.0:
             story = SimpleNamespace(ladder=[SimpleNamespace(fit=fit)])
             rows = [["a*theta", {"a": 1.0, "b": 2.0}, None, 55.0, True, 3, 1, 2]]
             spline = [["a*spline(theta, 1, 2)", {"a": 1.0}, None, 90.0, False, 5, 1, 1], 0.5]
-            told.put("  gain", [proposals._speaks(story, later, []), proposals._speaks(story, later, rows)])
-            told.put("  curve", proposals._speaks(story, later, rows, ([], None, spline)))
+            told.put("  gain", [proposing._speaks(story, later, []), proposing._speaks(story, later, rows)])
+            told.put("  curve", proposing._speaks(story, later, rows, ([], None, spline)))
     told.done()
 
 

@@ -33,7 +33,7 @@ def own_law(
 
     The motion is `t` (s), `theta` (rad; m), `omega`, `alpha`, `direction` (-1 to 1, also `sign(omega)`) and
     `s`, the distance since the last reversal (rad; m); every other name is a parameter. Friction under a load
-    is in proportion to `abs(load)*sign(omega)`: what other effects of the catalogue press with, N m. There are
+    is in proportion to `abs(load)*sign(omega)` (of what other effects press with, N m). There are
     `+ - * / ^`, brackets, ``|x|``, pi, and sin, cos, tan, exp, log, sqrt, abs, sign, tanh, min, max;
     `2 a omega` is a product, and `spline(x, 0, 0.7, 1, 0.2)` goes through numbers: cubic B-splines at 0, 1, 2
     and on, so many times high. As a `load` it answers the torque that the rig has to apply, N m (N), as

@@ -311,7 +311,7 @@ impl Formula {
         }
     }
 
-    /// Where a law stands that looks at the load and is no friction under it: not in proportion to `abs(load) sign(omega)`.
+    /// Where the load stands in a law that is no friction under it: that is not in proportion to `abs(load) sign(omega)`.
     fn misloaded(&self) -> Option<usize> {
         let magnitude = |at: usize, op: Op| {
             let of = |before: &Step| before.op == Op::Motion(Variable::Load);
