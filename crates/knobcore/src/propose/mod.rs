@@ -164,8 +164,8 @@ pub fn propose(data: &[&Signals], model: &Model, sums: bool, tell: &Tell<'_>) ->
     let chance = Chance::of((data, &noises), &rows[1], (&powers, &tried), white);
     let p_value = chance.p_value(found);
     let excess = squares - floor.squares;
-    let enough = first.gain >= rule().share * excess && first.gain >= rule().worth * squares;
-    if p_value > rule().chance || !enough || search.score(first) <= 0.0 {
+    let enough = |one: &Followed| one.gain >= rule().share * excess && one.gain >= rule().worth * squares;
+    if p_value > rule().chance || !enough(first) || search.score(first) <= 0.0 {
         return Some(Proposed { p_value, ..none });
     }
     if sums && squares - first.gain > rule().explained * floor.squares {
@@ -193,6 +193,7 @@ pub fn propose(data: &[&Signals], model: &Model, sums: bool, tell: &Tell<'_>) ->
         return None;
     }
     // Of those that explain the same the shortest has the best claim.
+    ended.retain(enough);
     let Some(first) = ended.first() else { return Some(none) };
     let left = (squares - first.gain) / white - floor.squares / white;
     let off = OFF * rule().law.powi(2) * first.gain / white;

@@ -277,3 +277,11 @@ fn two_laws_at_once_are_proposed_as_their_sum_and_one_is_not() {
         first(|(_, theta, omega, _): Instant| 4e-3 * omega * (-((theta - 0.4) / 0.3_f64).powi(2)).exp());
     assert_eq!(law.terms, 1);
 }
+
+#[test]
+fn a_short_law_that_takes_off_next_to_nothing_is_none() {
+    let (signals, model) = turned(|(t, ..): Instant| 6e-3 * (TAU * 50.0 * t).sin(), 5);
+    let found = propose(&[&signals], &model, true, &|_| true).unwrap();
+    let most = found.laws[0].gain;
+    assert!(found.laws.iter().all(|law| law.gain > 0.15 * most));
+}
