@@ -32,8 +32,11 @@ STANDARD = ("sweep", "multisine", "turns", "hand")
 """The motions that a designed one is held against."""
 SEARCH = "looking for the motion"
 """What is said of the search, which is by far the longest."""
-_SEARCH_S = 5.0
+_SEARCH_S = 7.0  # at most: on a quick machine the motions are weighed before
+_TRIES = 500
+"""Motions weighed beyond those that a search begins with, the same ones however quick the machine."""
 _CHANGE_S = 3.0  # for all limits that might be wider, together
+_CHANGE_TRIES = 30
 _KEPT = 5
 _FINALISTS = 3
 _SHORTEST = 64  # samples, fewer than which no filter takes
@@ -43,6 +46,8 @@ _EASINGS = 12
 _FASTER = 2.0, 5.0
 _ENOUGH = 4.0 * TOLD
 """More for a pair is no better while another one has less: what comes true may be half of it."""
+_MORE, _PLENTY = 1.2, 2.0 * _ENOUGH
+"""A search goes on from enough to so much more than the best standard motion tells, but not beyond this."""
 _THINNED = 4  # samples of the search; what is said of the motion that is chosen has all of them
 _SLOWEST_HZ = 500.0
 
@@ -66,7 +71,8 @@ def next_experiment(
     default those that the captures could not tell. Without any, or with `sharpen`, the motion is the one that
     makes a parameter known best, by default the widest. `limits` are by default what the captures reached,
     10 s long; the motion exceeds none of them for any rival. With `by_hand` it is one that a hand can make,
-    without a motor. It is searched for `search_s` seconds; the same `seed` begins the same search.
+    without a motor. The search ends when all rivals are told apart with a margin, after 500 motions, or, on a
+    slow machine, after `search_s` seconds; unless that cut it short, the same `seed` gives the same motion.
     `between` is called before each motion that is weighed; what it raises ends the search.
 
     Raises InputError for rivals that cannot be fitted and limits within which no motion is.
@@ -157,7 +163,7 @@ class _Design:
         until = time.monotonic() + search_s
         first = self._banked(until)
         twins = param is None and self._twins(first)
-        pool = _best(first) if twins else self._searched(first, until, seed)
+        pool = _best(first) if twins else self._searched(first, until, seed, _TRIES, self._plenty)
         if not pool:
             raise InputError(
                 f"limits: torque_Nm = {self.limits.torque_Nm:.4g} moves no rival, omega_rad_s = "
@@ -182,10 +188,11 @@ class _Design:
             sharpened = (Sharpened(param, before, self.telling.errors(track)[param], usual),)
             return Experiment(rivals, self.limits, chosen, track, (), peak, sharpened)
         told = self.telling.evidence(track)
-        every = [self._told(one)[0] for one in self._standard(self._search_hz())]
         between = self.telling.between
         expected = tuple(
-            Expected((i, j), between(told, i, j), max((between(one, i, j) for one in every), default=0.0))
+            Expected(
+                (i, j), between(told, i, j), max((between(one, i, j) for one in self._usual), default=0.0)
+            )
             for i in range(len(rivals))
             for j in range(i + 1, len(rivals))
         )
@@ -238,12 +245,29 @@ class _Design:
                 return False
         return True
 
-    def _searched(self, first: Sequence[_Scored], until: float, seed: int) -> list[tuple[Piece, ...]]:
-        """Return the best of some motions and of what is near the best of them, when the time is over."""
+    @cached_property
+    def _usual(self) -> list[FloatArray]:
+        """What each of the standard motions tells."""
+        return [self._told(one)[0] for one in self._standard(self._search_hz())]
+
+    @property
+    def _plenty(self) -> float:
+        """The least D with which a search ends."""
+        if self.param is not None:
+            return math.inf
+        usual = max((self.telling.least(one) for one in self._usual), default=0.0)
+        return min(max(_MORE * usual, _ENOUGH), _PLENTY)
+
+    def _searched(
+        self, first: Sequence[_Scored], until: float, seed: int, tries: int, plenty: float
+    ) -> list[tuple[Piece, ...]]:
+        """Return the best of some motions and of what is near the best, weighed until one tells plenty."""
         rng = np.random.default_rng(seed)
         scored = list(first)
-        while scored and time.monotonic() < until:
+        for _ in range(tries):
             scored.sort(key=lambda one: -one.score)
+            if not scored or scored[0].least >= plenty or time.monotonic() >= until:
+                break
             del scored[_KEPT:]
             parent = scored[int(rng.integers(len(scored)))].pieces
             self._score(changed(parent, rng, float(rng.choice((0.03, 0.1, 0.3)))), scored)
@@ -313,7 +337,8 @@ class _Design:
                 other = replace(self, limits=wider)
                 scored: list[_Scored] = []
                 until = time.monotonic() + each_s
-                for pieces in (*pool, *other._searched(other._banked(until), until, seed)):
+                wide = other._searched(other._banked(until), until, seed, _CHANGE_TRIES, TOLD)
+                for pieces in (*pool, *wide):
                     other._score(pieces, scored)
                 d = max((one.least for one in scored), default=0.0)
                 if d >= TOLD:

@@ -214,6 +214,8 @@ def _loops(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) 
         while filling.left > until and filling.put(Move(there + side * 0.5 * size, speed, hard)):
             side, moves = -side, moves + 1
         reached += moves > before
+    if not moves:
+        return filling.parts, f"a move to {filling.at:.3g} {limits.unit}"
     small = f"{1e3 * size:.3g} mm" if limits.unit == "m" else f"{math.degrees(size):.3g} degrees"
     way = small if size < 1.0 else f"{size:.3g} {limits.unit}"
     times = f"{_of(moves, 'move')} at {_of(reached, 'place')}"
