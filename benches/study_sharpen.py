@@ -4,7 +4,7 @@ Faultless knobs of the examination's simulator, recorded for 6 s on an ordinary 
 that makes its widest parameter known best (or each of them in turn), and recorded on the same knob; beside
 it the standard sweep, as long, at its own size and as large as the rig's limits let it be. What a recording
 adds is the information 1/se^2 after it less that before it; the interval that it leaves alone is as wide as
-one over its root.
+one over its root. Beside it the most that any motion within the limits could bring (`sharpest.py`).
 """
 
 import argparse
@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import hidden
 import numpy as np
 from resumed import resumed, version
+from sharpest import sharpest
 from study_next import CAP_S, RIG, read, track_of
 
 import knobcam as kc
@@ -55,6 +56,7 @@ def examine(case: Case) -> Iterator[dict[str, Any]]:
         before = story.fit.params[param].se ** -2
         row = {"param": param, "seconds": designed.seconds, "took_s": designed.took_s}
         row["expected"] = designed.sharpened[0].after
+        row["most"] = (sharpest(story.fit, param, RIG) ** -2 - before) ** -0.5
         for name, track in tracks.items():
             second = read(folder, name, knob.again(track_of(track), 1))
             after = kc.fit([captures[0], second], story.fit.model).params[param]
@@ -75,13 +77,16 @@ def table(rows: list[dict[str, Any]]) -> str:
             f"interval narrower than {words}'s, a second of recording: {middle:.2f} times "
             f"(quartiles {low:.2f}, {high:.2f})"
         )
+    low, middle, high = np.quantile([row["sweep"] / row["most"] for row in rows], [0.25, 0.5, 0.75])
+    lines.append(f"no motion brings more than {middle:.2f} times (quartiles {low:.2f}, {high:.2f})")
     off = np.array([row["designed_off"] for row in rows])
     held = np.mean(np.abs(off[np.isfinite(off)]) < 1.96)
     ratio = np.median([row["designed_se"] / row["expected"] for row in rows])
     lines.append(f"standard error found / expected {ratio:.2f}; intervals hold in {100.0 * held:.0f} %")
-    for kind in sorted({row["param"].split(".")[0] for row in rows}):
-        some = [row["sweep"] / row["designed"] for row in rows if row["param"].startswith(f"{kind}.")]
-        lines.append(f"  {kind}: {np.median(some):.2f} times ({len(some)})")
+    for kind in sorted({row["param"] for row in rows}):
+        some = [row for row in rows if row["param"] == kind]
+        times, most = (np.median([row["sweep"] / row[one] for row in some]) for one in ("designed", "most"))
+        lines.append(f"  {kind}: {times:.2f} times, of at most {most:.2f} ({len(some)})")
     return "\n".join(lines)
 
 

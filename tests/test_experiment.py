@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import time
 from functools import partial
 from pathlib import Path
 
@@ -130,6 +131,38 @@ def test_what_is_expected_comes_true_on_the_motion_that_is_designed(weak: kc.Lea
     squares = [fit.rmse**2 * sum(one.core.used for one in fit.prepared) / white for fit in (both, base)]
     assert squares[0] - squares[1] == pytest.approx(told, rel=0.1)
     assert expected.pair == (0, 1) and expected.d > 0.0 and expected.standard_d > 0.0
+
+
+def test_fewer_samples_that_count_as_more_tell_what_more_samples_do(weak: kc.LearningResult) -> None:
+    limits = Limits.reached(weak.fit.prepared)
+    rivals = (Rival((), weak.ladder[0].fit), Rival(("stribeck",), weak.ladder[0].fit.add("stribeck")))
+    told, alone = Telling(rivals), Telling(rivals[1:])
+    for pieces in bank()[::5]:
+        made = plan(pieces, limits)
+        full, thinned = (made.track(rate) for rate in (5000.0, 1250.0))
+        if np.abs(full.omega).max() > 0.05:
+            whole = told.evidence(full)
+            assert told.evidence(thinned, 5000.0) == pytest.approx(whole, rel=0.25, abs=0.5), made.about
+            few = alone.errors(thinned, 5000.0)
+            assert few == pytest.approx(alone.errors(full), rel=0.2), made.about
+
+
+def test_the_same_seed_gives_the_same_motion_however_slow_the_machine(
+    weak: kc.LearningResult, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(designing, "_TRIES", 20)
+    rivals = {"rivals": ["base", "stribeck"], "limits": LIMITS}
+    quick = kc.next_experiment(weak, **rivals)
+    slow = kc.next_experiment(weak, **rivals, between=partial(time.sleep, 0.005))
+    assert slow.plan == quick.plan and slow.took_s > quick.took_s
+    # And one that tells plenty ends a search at once.
+    looked: list[int] = []
+    for plenty, weighed in ((1e9, len(bank()) + 20), (0.0, len(bank()))):
+        looked.clear()
+        monkeypatch.setattr(designing, "_ENOUGH", plenty)
+        monkeypatch.setattr(designing, "_PLENTY", plenty)
+        kc.next_experiment(weak, **rivals, between=partial(looked.append, 1))
+        assert len(looked) == weighed
 
 
 def test_no_rival_asks_for_more_than_the_limits(weak: kc.LearningResult) -> None:

@@ -231,7 +231,7 @@ def design(monkeypatch: pytest.MonkeyPatch, asks: float, told: float = 5.0, n: i
     telling: Any = SimpleNamespace(
         peak=peak,
         rivals=[SimpleNamespace(fit=fit)] * n,
-        evidence=lambda track: np.full((n, n), told),
+        evidence=lambda track, rate_hz: np.full((n, n), told * rate_hz / 1000.0),
         pairs=lambda all_: [float(all_[i, j]) for i in range(len(all_)) for j in range(i)],
     )
     return _Design(telling, LIMITS, None)
@@ -254,7 +254,7 @@ def test_a_motion_is_eased_until_no_rival_asks_for_more_than_there_is(monkeypatc
 def test_a_search_looks_at_fewer_samples_and_counts_them_all(monkeypatch: pytest.MonkeyPatch):
     track: Any = None
     one = design(monkeypatch, 0.1)
-    assert one._search_hz() == 500.0 and one._told(track)[0][1, 0] == pytest.approx(10.0)
+    assert one._search_hz() == 500.0 and one._told(track)[0][1, 0] == pytest.approx(5.0)
     fast = replace(LIMITS, sample_rate_hz=5000.0)
     assert replace(one, limits=fast)._search_hz() == 1250.0
     slow = replace(design(monkeypatch, 0.1), limits=replace(LIMITS, sample_rate_hz=200.0))
@@ -301,7 +301,7 @@ def test_the_parameter_to_be_sharpened_is_the_one_that_is_known_worst(monkeypatc
     assert replace(alone, sharpen="inertia.M").param == "inertia.M"
     with pytest.raises(InputError, match=r"known are inertia\.M, coulomb\.pos"):
         _ = replace(alone, sharpen="viscous.pos").param
-    alone.telling.errors = lambda track: {"coulomb.pos": 0.3}  # type: ignore[method-assign,assignment]
+    alone.telling.errors = lambda track, rate_hz: {"coulomb.pos": 300.0 / rate_hz}  # type: ignore[method-assign,assignment]
     track: Any = None
     assert alone._told(track)[1] == -0.3
 

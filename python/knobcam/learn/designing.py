@@ -211,8 +211,8 @@ class _Design:
         n = len(self.telling.rivals)
         try:
             if self.param is not None:
-                return np.zeros((n, n)), -self.telling.errors(track)[self.param]
-            told = self.telling.evidence(track) * self.limits.sample_rate_hz / self._search_hz()
+                return np.zeros((n, n)), -self.telling.errors(track, self.limits.sample_rate_hz)[self.param]
+            told = self.telling.evidence(track, self.limits.sample_rate_hz)
         except InputError:
             return np.zeros((n, n)), -math.inf
         every = self.telling.pairs(told)

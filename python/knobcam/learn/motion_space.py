@@ -80,7 +80,10 @@ def standard(name: str, limits: Limits, rate_hz: float, eased: float = 1.0) -> M
 def bank() -> list[tuple[Piece, ...]]:
     """Return motions of every kind to begin with."""
     grid = [
-        Piece(kind, (a, b, 0.5, c, 0.3), 1.0) for kind in _KINDS for a in (0.2, 0.8) for b, c in _PAIRS[kind]
+        Piece(kind, (a, b, 0.5, c, 0.3), 1.0)
+        for kind in _KINDS
+        for a in ((0.2, 0.8) if kind == "loops" else (0.2, 0.8, 1.0))
+        for b, c in _PAIRS[kind]
     ]
     alone: list[tuple[Piece, ...]] = [(piece,) for piece in grid]
     slow = Piece("loops", (0.3, 0.5, 0.5, 0.5, 0.3), 0.5)

@@ -147,21 +147,30 @@ class Telling:
                 most = max(most, float(np.max(np.abs(model.core.torque(still, filtered=False)))))
         return _MARGIN * most
 
-    def evidence(self, track: MotionTrack) -> FloatArray:
+    def evidence(self, track: MotionTrack, rate_hz: float | None = None) -> FloatArray:
         """Return D, shape (rivals, rivals): of the torque of a row's model, what a column's would leave.
 
-        Both as fitted: a model that is drawn beside a rival that is not differs from it by what the same data
-        say of both, and D would count that.
+        At another rate than the track's each of its samples counts as so many. Both as fitted: a model that
+        is drawn beside a rival that is not differs from it by what the same data say of both, and D would
+        count that.
         """
         still = self.signals(track)
         n = len(self.rivals)
         told = np.zeros((n, n))
+        white = self._white(track, rate_hz)
         for truth in range(n):
             torque = self.rivals[truth].fit.core.model.torque(still, filtered=False)
             made = self.signals(track, torque)
             for other in (one for one in range(n) if one != truth):
-                told[truth, other], _ = self.rivals[other].fit.core.expected(made, self.white)
+                told[truth, other], _ = self.rivals[other].fit.core.expected(made, white)
         return told
+
+    def _white(self, track: MotionTrack, rate_hz: float | None) -> float:
+        """Return the variance of noise with which the samples of a track tell as many of another rate would.
+
+        What they tell is weighed against what the captures so far do: it is no use to count D some times.
+        """
+        return self.white * track.rate_hz / (rate_hz or track.rate_hz)
 
     def between(self, told: FloatArray, one: int, other: int) -> float:
         """Return D of a pair of rivals, whichever of them is right.
@@ -185,10 +194,10 @@ class Telling:
         """Return the least D of all pairs; 0 of a single rival."""
         return min(self.pairs(told), default=0.0)
 
-    def errors(self, track: MotionTrack) -> dict[str, float]:
-        """Return the standard errors of the first rival's parameters after a motion."""
+    def errors(self, track: MotionTrack, rate_hz: float | None = None) -> dict[str, float]:
+        """Return the standard errors of the first rival's parameters after a motion; the rate as above."""
         core = self.rivals[0].fit.core
-        _, errors = core.expected(self.signals(track), self.white)
+        _, errors = core.expected(self.signals(track), self._white(track, rate_hz))
         return dict(zip(core.free, errors.tolist(), strict=True))
 
 
