@@ -15,6 +15,15 @@ from knobcam.fit.rule import RULE
 from knobcam.learn import contenders, joined, joints
 
 
+def rubbing(over: float | None, friction: float = 0.01, inertia: float = 1e-4, edge_hz: float = 500.0) -> Any:
+    """A fit of a knob whose friction builds up over a distance, if it does."""
+    model = SimpleNamespace(
+        builds_up_over=over, at_rest=lambda: (inertia, [friction, friction], [friction, friction], 0.0)
+    )
+    recorded = SimpleNamespace(core=SimpleNamespace(edge_hz=edge_hz))
+    return SimpleNamespace(core=SimpleNamespace(model=model), prepared=(recorded,))
+
+
 @dataclass(frozen=True)
 class One:
     """A candidate of which everything is known."""
@@ -24,6 +33,11 @@ class One:
     gain: float = 50.0
     p_value: float = 0.001
     place: str = "load"
+    fit: Any = field(default_factory=lambda: rubbing(None))
+
+    @property
+    def score(self) -> float:
+        return self.gain
 
 
 @dataclass(frozen=True)
@@ -78,6 +92,54 @@ def test_joints_are_looked_at_where_what_is_named_does_not_explain_what_is_left(
     assert after is before
     none = Weighed(Known(1.5), ())
     assert joints.overlooked(none, (), lambda _: None) is none
+    # A joint that gives way so little shows as friction that builds up alone: 0.01 N m over 1e-4 rad
+    # are 100 N m/rad, on which 1e-4 kg m^2 swings 159 times a second.
+    much = 2.0 * RULE.alike / RULE.relative
+    for over, edge_hz, looked in ((1e-4, 480.0, False), (1e-4, 470.0, True), (None, 470.0, False)):
+        for named, gain in (("lag", much), ("lag", much + 0.99 * RULE.alike)):
+            slips = One("presliding", 1.0, much, fit=rubbing(over, edge_hz=edge_hz))
+            weighed = Weighed(Known(math.sqrt(1.1)), (One(named, 1.0, gain), slips))
+            assert (joints.overlooked(weighed, (), lambda _: None) is not weighed) == looked
+    # But not where it explains less than what is named.
+    slips = One("presliding", 1.0, much, fit=rubbing(1e-4))
+    weighed = Weighed(Known(math.sqrt(1.1)), (One("lag", 1.0, much + 1.01 * RULE.alike), slips))
+    assert joints.overlooked(weighed, (), lambda _: None) is weighed
+
+
+def test_of_what_cannot_be_told_apart_the_first_comes_in_that_is_possible_at_its_end(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    @dataclass(frozen=True)
+    class Tied:
+        effect: str
+        fit: str
+        rmse: float
+        equivalent: tuple[str, ...] = ()
+        could_be: bool = True
+        place: str = "load"
+
+    followed: list[str] = []
+    bad: set[str] = set()
+    monkeypatch.setattr(joints, "converged", lambda fit: followed.append(fit) or f"{fit} at its end")
+    monkeypatch.setattr(joints, "implausible", lambda one, before: ("no",) if one.effect in bad else ())
+    best: Any = Tied("compliance", "soft", 1.0, ("presliding",), place="coupling")
+    other, third = Tied("presliding", "slips", 1.2), Tied("lag", "late", 1.2)
+    diagnosis: Any = SimpleNamespace(fit=Known(2.0), candidates=(best, third, other))
+    assert joints.followed_to(diagnosis, best) == (best, "soft at its end") and followed == ["soft"]
+    bad.add("compliance")
+    assert joints.followed_to(diagnosis, best) == (other, "slips at its end")
+    # What explains all of it does, too, though it takes more for that.
+    third = Tied("lag", "late", 1.0)
+    diagnosis.candidates = (best, third, other)
+    assert joints.followed_to(diagnosis, best) == (third, "late at its end")
+    # With nothing in its place it is what it is: the verdict says that its values cannot be.
+    bad |= {"presliding", "lag"}
+    assert joints.followed_to(diagnosis, best) == (best, "soft at its end")
+    diagnosis.candidates = (best,)
+    assert joints.followed_to(diagnosis, best) == (best, "soft at its end")
+    # Of what is no joint the sketch tells whether it is possible.
+    followed.clear()
+    assert joints.followed_to(diagnosis, third) == (third, "late at its end") and followed == ["late"]
 
 
 def test_a_joint_and_the_other_in_its_place_are_judged_with_what_else_there_is(

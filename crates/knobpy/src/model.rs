@@ -167,6 +167,12 @@ impl PyModel {
         self.0.period().map(|at| self.0.slots()[at].value)
     }
 
+    /// Over which distance its friction builds up after a reversal, rad or m, if it does.
+    #[getter]
+    fn builds_up_over(&self) -> Option<f64> {
+        self.0.builds_up_over()
+    }
+
     /// What it is at rest: stored inertia, the dry friction backward and forward, the torques that hold it, and the
     /// speed below which they do.
     fn at_rest(&self) -> (f64, [f64; 2], [f64; 2], f64) {

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from .. import _core
 from ..fit.diagnose import Candidate, Diagnosis, absent, diagnose
@@ -17,6 +20,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
     from ..fit import Fit
+
+
+_SEEN = 1.0 / 3.0
+"""Of what the torque's filter lets pass, up to where a joint is known by the frequency that it swings at."""
 
 
 def joints(coordinate: str) -> list[str]:
@@ -44,7 +51,8 @@ def overlooked(
 
     Joints take long, and are not looked at where another effect explains what is left. Where that one is not
     possible by its values, and all that are leave more, they are; and where what is named looks like one, and
-    explains so little that they may not be told apart.
+    explains so little that they may not be told apart, or where a joint that gave way as far as friction
+    takes to build up would hardly show otherwise.
     """
     fit, best = diagnosis.fit, diagnosis.best
     could = [one for one in joints(fit.model.coordinate) if one in absent(fit, without)[0]]
@@ -54,6 +62,7 @@ def overlooked(
     rows = effects(fit.model.coordinate)
     alike = any(best.effect in rows[one].confused for one in could)
     hidden = alike and RULE.relative * best.gain <= RULE.alike
+    hidden |= any(one.score >= best.score - RULE.alike and _swift(one.fit) for one in diagnosis.candidates)
     if not hidden and any(_explains(one.rmse, fit) for one in diagnosis.could_be):
         return diagnosis
     more = diagnose(fit, only=could, progress=progress)
@@ -63,12 +72,38 @@ def overlooked(
     return replace(diagnosis, candidates=candidates, left_out=left_out)
 
 
+def _swift(fit: Fit) -> bool:
+    """Whether a joint that gives way as far as friction builds up over swings too fast to be seen by that."""
+    model = fit.core.model
+    inertia, friction, _, _ = model.at_rest()
+    over = model.builds_up_over
+    if over is None or not min(over, inertia, *friction) > 0.0:
+        return False
+    edge_hz = min(one.core.edge_hz or 0.5 * one.capture.rate_hz for one in fit.prepared)
+    return math.sqrt(float(np.mean(friction)) / over / inertia) > _SEEN * 2.0 * math.pi * edge_hz
+
+
 def _explains(rmse: float, fit: Fit) -> bool:
     """Whether an error that is left of a fit's makes it needless to look at joints."""
     floor, before, left = fit.noise_floor**2, fit.rmse**2, rmse**2
     excess = before - floor
     better = excess <= RULE.slight * floor or left - floor <= RULE.better * excess
     return (left <= RULE.explained * floor and better) or before - left >= RULE.enough * excess
+
+
+def followed_to(diagnosis: Diagnosis, best: Candidate) -> tuple[Candidate, Fit]:
+    """Return what is added and its end: the best, or if that is a joint which cannot be there, the next.
+
+    Candidates are sketched, and a joint's way on from there may lead to values that cannot be its own. The
+    next is the first that is possible of those that explain as much.
+    """
+    fit, first = diagnosis.fit, converged(best.fit)
+    if best.place != "coupling" or not implausible(replace(best, fit=first), fit):
+        return best, first
+    others = [one for one in diagnosis.candidates if one.could_be and one is not best]
+    enough = [one for one in others if one.effect in best.equivalent or _explains(one.rmse, fit)]
+    ends = ((one, converged(one.fit)) for one in enough)
+    return next((pair for pair in ends if not implausible(replace(pair[0], fit=pair[1]), fit)), (best, first))
 
 
 def beside_others(

@@ -34,6 +34,7 @@ _HIGHEST_HZ = 12.0
 _LEAST_S = 0.25
 _BRIEFEST_S = 0.06  # of a move: what reverses faster no rig follows, and no sensor knows which way it goes
 _MOST_MOVES = 4000
+_NOTHING = "nothing"
 
 
 class Piece(NamedTuple):
@@ -62,7 +63,8 @@ def plan(pieces: tuple[Piece, ...], limits: Limits, eased: float = 1.0) -> Motio
         words.append(said)
     if not parts:
         parts = [Rest(_LEAST_S)]
-    return MotionPlan(tuple(parts), start, "; then ".join(words))
+    told = [one for one in words if one != _NOTHING] or [_NOTHING]
+    return MotionPlan(tuple(parts), start, "; then ".join(told))
 
 
 def standard(name: str, limits: Limits, rate_hz: float, eased: float = 1.0) -> MotionTrack:
@@ -152,6 +154,10 @@ class _Filling:
         self.at = part.end(self.at)
         return True
 
+    def said(self, limits: Limits) -> str:
+        """What it is where there was no time for more than the way to where it begins."""
+        return f"a move to {self.at:.3g} {limits.unit}" if self.parts else _NOTHING
+
 
 def _span(u: float, place: float, limits: Limits) -> tuple[float, float]:
     """Return two angles a share of the range apart, about a place in it."""
@@ -174,6 +180,8 @@ def _passes(u: Numbers, limits: Limits, eased: float, seconds: float, at: float)
     ends = 0
     while filling.put(Move((high, low)[ends % 2], speed, hard)):
         ends += 1
+    if not ends:
+        return filling.parts, filling.said(limits)
     way = f"{high - low:.3g} {limits.unit} at {speed:.3g} {limits.unit}/s"
     return filling.parts, f"to and fro over {way}, {_times(ends)}"
 
@@ -195,6 +203,8 @@ def _speeds(u: Numbers, limits: Limits, eased: float, seconds: float, at: float)
         if not filling.put(Move(there, speed, hard)):
             break
         ends += 1
+    if not ends:
+        return filling.parts, filling.said(limits)
     speeds = f"{slowest:.3g} to {fastest:.3g} {limits.unit}/s, {steps} speeds"
     return filling.parts, f"to and fro {_times(ends)}, each time faster: {speeds}"
 
@@ -218,7 +228,7 @@ def _loops(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) 
             side, moves = -side, moves + 1
         reached += moves > before
     if not moves:
-        return filling.parts, f"a move to {filling.at:.3g} {limits.unit}"
+        return filling.parts, filling.said(limits)
     small = f"{1e3 * size:.3g} mm" if limits.unit == "m" else f"{math.degrees(size):.3g} degrees"
     way = small if size < 1.0 else f"{size:.3g} {limits.unit}"
     times = f"{_of(moves, 'move')} at {_of(reached, 'place')}"
@@ -240,13 +250,15 @@ def _rests(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) 
         if not (filling.put(Move(low + level * (high - low), speed, hard)) and filling.put(Rest(rest))):
             break
         moves += 1
+    if not moves:
+        return filling.parts, filling.said(limits)
     rests = f" with rests of {rest:.2g} s between" if moves > 1 else ""
     return filling.parts, f"{_of(moves, 'move')} at {speed:.3g} {limits.unit}/s{rests}"
 
 
 def _waves(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) -> tuple[list[Part], str]:
     if seconds < 2.0 * _LEAST_S:
-        return [], "nothing"
+        return [], _NOTHING
     hard = eased * limits.alpha_rad_s2
     go = Move(limits.middle, eased * limits.omega_rad_s, hard)
     takes = go.seconds(at)
@@ -254,7 +266,7 @@ def _waves(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) 
     middle = limits.middle if parts else at
     seconds -= takes if parts else 0.0
     if seconds < 2.0 * _LEAST_S:
-        return parts, "nothing"
+        return parts, _NOTHING
     rng = np.random.default_rng(int(u[2] * 1e6))
     highest = _between(0.5, _HIGHEST_HZ, u[1])
     fundamental = max(1.0 / seconds, highest / _HARMONICS)

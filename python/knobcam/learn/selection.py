@@ -17,7 +17,7 @@ from ..model.effects import base_effects_shown, clipping, descriptions
 from .cut import Cut, Deadline, OutOfTime
 from .exchanged import anew, exchanged, straightened, with_detents, with_other_detents
 from .joined import joined, rejoined
-from .joints import overlooked
+from .joints import followed_to, overlooked
 from .ladder import LearningStep, Unexplained, first_weighed
 from .limitations import width
 from .loosened import loosened
@@ -143,7 +143,7 @@ def _grown(
             ladder[1:] = pair
             continue
         tell(f"adding {best.effect}")
-        richer = converged(best.fit)
+        best, richer = followed_to(diagnosis, best)
         if detents and richer.model.period is None:
             richer = with_detents(richer)
         tell("re-testing the effects that came in before")

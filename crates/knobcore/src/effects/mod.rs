@@ -160,6 +160,11 @@ pub trait Effect<const N: usize> {
     fn implausible(_: &[f64; N], _: &Context) -> Vec<String> {
         Vec::new()
     }
+
+    /// Over which distance its friction builds up after a reversal, rad or m; none of what is there at once.
+    fn builds_up_over(_: &[f64; N]) -> Option<f64> {
+        None
+    }
 }
 
 /// An effect that loads the knob.

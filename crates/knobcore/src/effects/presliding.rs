@@ -69,10 +69,8 @@ impl Effect<7> for Presliding {
     }
 
     /// It ends within a small part of the way, and takes longer than the sensors' step.
-    fn implausible([s, shares @ ..]: &[f64; 7], context: &Context) -> Vec<String> {
-        let reach = (0..).map(|i| s / 2.0_f64.powi(i));
-        let sum: f64 = shares.iter().sum();
-        let mean = shares.iter().zip(reach).map(|(w, s)| w * s).sum::<f64>() / sum.max(1e-12);
+    fn implausible(p: &[f64; 7], context: &Context) -> Vec<String> {
+        let Some(mean) = Self::builds_up_over(p) else { return Vec::new() };
         let over = short(mean, 2);
         if mean > FAR * context.travel() {
             return vec![format!("it takes {over} to slip, a good part of the way: it is a spring")];
@@ -83,6 +81,12 @@ impl Effect<7> for Presliding {
             return vec![format!("it slips within {over}, {why}")];
         }
         Vec::new()
+    }
+
+    fn builds_up_over([s, shares @ ..]: &[f64; 7]) -> Option<f64> {
+        let reach = (0..).map(|i| s / 2.0_f64.powi(i));
+        let sum: f64 = shares.iter().sum();
+        Some(shares.iter().zip(reach).map(|(w, s)| w * s).sum::<f64>() / sum.max(1e-12))
     }
 
     fn typical(carrier: &Carrier<'_>) -> [f64; 7] {
@@ -149,5 +153,13 @@ mod tests {
         for i in [5_usize, 20, 40, 90] {
             assert!((f[400 + 2 * i] - (1.0 - 2.0 * f[i])).abs() < 1e-9, "{i}: {} {}", f[400 + 2 * i], f[i]);
         }
+    }
+
+    #[test]
+    fn it_builds_up_over_twice_what_it_lacks_from_rest() {
+        let path: Vec<f64> = (0..20_000).map(|i| f64::from(i) * 1e-5).collect();
+        let lacks: f64 = friction(&path).iter().map(|f| (1.0 - f) * 1e-5).sum();
+        let over = Presliding::builds_up_over(&[0.1, 0.5, 0.3, 0.0, 0.0, 0.0, 0.2]).unwrap();
+        assert!((2.0 * lacks / over - 1.0).abs() < 1e-3, "{over} {lacks}");
     }
 }

@@ -32,6 +32,17 @@ impl Rigid {
 }
 
 impl Model {
+    /// Over which distance its friction builds up after a reversal, rad or m; none where it is there at once. A joint
+    /// that gives way as far does nearly the same.
+    pub fn builds_up_over(&self) -> Option<f64> {
+        let over = |id: Id| {
+            let own = self.slots.iter().filter(|slot| slot.effect == id && slot.run.is_none());
+            let values: Vec<f64> = own.map(|slot| slot.value).collect();
+            id.law().builds_up_over(&values)
+        };
+        self.effects().filter_map(over).reduce(f64::max)
+    }
+
     /// Whether an effect loads the shaft and not the knob behind a joint.
     pub fn at_shaft(&self, id: Id) -> bool {
         self.shaft.contains(&id)

@@ -45,6 +45,11 @@ pub trait Law: Sync {
         Vec::new()
     }
 
+    /// Over which distance its friction builds up after a reversal, rad or m.
+    fn builds_up_over(&self, _p: &[f64]) -> Option<f64> {
+        None
+    }
+
     /// Numbers that it remembers from sample to sample.
     fn states(&self) -> usize {
         0

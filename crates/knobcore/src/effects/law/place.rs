@@ -43,6 +43,10 @@ macro_rules! told {
         fn implausible(&self, p: &[f64], context: &Context) -> Vec<String> {
             E::implausible(&take(p), context)
         }
+
+        fn builds_up_over(&self, p: &[f64]) -> Option<f64> {
+            E::builds_up_over(&take(p))
+        }
     };
 }
 
