@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 from known import BASE, Known, climbed
 
@@ -33,6 +34,7 @@ class One:
     gain: float = 50.0
     p_value: float = 0.001
     place: str = "load"
+    count: int = 3
     fit: Any = field(default_factory=lambda: rubbing(None))
 
     @property
@@ -104,6 +106,18 @@ def test_joints_are_looked_at_where_what_is_named_does_not_explain_what_is_left(
     slips = One("presliding", 1.0, much, fit=rubbing(1e-4))
     weighed = Weighed(Known(math.sqrt(1.1)), (One("lag", 1.0, much + 1.01 * RULE.alike), slips))
     assert joints.overlooked(weighed, (), lambda _: None) is weighed
+
+
+def test_chance_takes_off_no_more_than_the_best_of_many_tries_of_independent_numbers():
+    diagnosis: Any = SimpleNamespace(candidates=(One("lag", 1.0, 20.0, 0.3), One("presliding", 1.0, 300.0)))
+    # Below the one that chance does not make it is not as likely as the other for that.
+    assert joints.chance(200.0, diagnosis) == 0.3 and joints.chance(200.0, diagnosis, 4) == 0.001
+    assert joints.chance(300.0, diagnosis) == 0.001
+    assert joints.chance(30.0, diagnosis, 4) == 0.3 and joints.chance(10.0, diagnosis, 4) == 1.0
+    # The best of 10^4 draws of as many numbers, twice as loud, is less.
+    draws = 2.0 * np.random.default_rng(3).chisquare(4, (300, 10_000)).max(axis=1)
+    for took in np.linspace(40.0, 90.0, 11).tolist():
+        assert joints.chance(took, diagnosis, 4) >= min(0.3, float(np.mean(draws >= took)))
 
 
 def test_of_what_cannot_be_told_apart_the_first_comes_in_that_is_possible_at_its_end(

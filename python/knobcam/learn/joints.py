@@ -21,9 +21,11 @@ if TYPE_CHECKING:
 
     from ..fit import Fit
 
-
 _SEEN = 1.0 / 3.0
 """Of what the torque's filter lets pass, up to where a joint is known by the frequency that it swings at."""
+
+_TRIES = 1e4  # more than a joint has starts
+_LEAST = 1e-3  # p-value that draws can tell
 
 
 def joints(coordinate: str) -> list[str]:
@@ -66,7 +68,7 @@ def overlooked(
     if not hidden and any(_explains(one.rmse, fit) for one in diagnosis.could_be):
         return diagnosis
     more = diagnose(fit, only=could, progress=progress)
-    found = [replace(one, p_value=chance(one.gain, diagnosis)) for one in more.candidates]
+    found = [replace(one, p_value=chance(one.gain, diagnosis, one.count)) for one in more.candidates]
     left_out = {**diagnosis.left_out, **{one: why for one, why in more.left_out.items() if one in could}}
     candidates = judged(diagnosis.comparison, [*diagnosis.candidates, *found])
     return replace(diagnosis, candidates=candidates, left_out=left_out)
@@ -127,12 +129,21 @@ def beside_others(
         if end is None:
             continue
         took, count = gain(before, end, before), len(effects(before.model.coordinate)[one].params)
-        candidate = Candidate(one, replace(end, before=before), chance(took, diagnosis), took, count)
+        candidate = Candidate(one, replace(end, before=before), chance(took, diagnosis, count), took, count)
         found.append(replace(candidate, implausible=implausible(candidate, before)))
     left_out = diagnosis.left_out if kept else {}
     return Diagnosis(before, judged(before.compare(), [*kept, *found]), left_out)
 
 
-def chance(took: float, diagnosis: Diagnosis) -> float:
-    """Return how often chance would take off as much: no oftener than what takes off less."""
-    return min((one.p_value for one in diagnosis.candidates if one.gain <= took), default=1.0)
+def chance(took: float, diagnosis: Diagnosis, count: int | None = None) -> float:
+    """Return how often chance would take off as much.
+
+    No oftener than what takes off less; nor, of something with so many parameters, than the best of many
+    tries of as many independent numbers (Chernoff 1952), of half of it for what is not known of the noise.
+    """
+    less: float = min((one.p_value for one in diagnosis.candidates if one.gain <= took), default=1.0)
+    if count is None:
+        return less
+    each = max(0.5 * took / count, 1.0)
+    tail = (each * math.exp(1.0 - each)) ** (0.5 * count)
+    return min(less, max(_TRIES * tail, _LEAST))
