@@ -141,9 +141,9 @@ def chance(took: float, diagnosis: Diagnosis, count: int | None = None) -> float
     No oftener than what takes off less; nor, of something with so many parameters, than the best of many
     tries of as many independent numbers (Chernoff 1952), of half of it for what is not known of the noise.
     """
-    less: float = min((one.p_value for one in diagnosis.candidates if one.gain <= took), default=1.0)
+    less = min((one.p_value for one in diagnosis.candidates if one.gain <= took), default=1.0)
     if count is None:
         return less
     each = max(0.5 * took / count, 1.0)
-    tail = (each * math.exp(1.0 - each)) ** (0.5 * count)
+    tail = math.pow(each * math.exp(1.0 - each), 0.5 * count)
     return min(less, max(_TRIES * tail, _LEAST))
