@@ -278,11 +278,11 @@ def twins_table(rows: list[dict[str, Any]]) -> str:
 
 
 def shares(ends: list[tuple[str, Any]]) -> str:
-    """How many are settled rightly, wrongly, and not, in per cent."""
-    settled = [(list(found) == [case.split(":")[0]], left == 0) for case, (found, left) in ends]
+    """How many are settled rightly, wrongly, and not, as where nothing is named in the end, in per cent."""
+    settled = [(list(found) == [case.split(":")[0]], found and left == 0) for case, (found, left) in ends]
     counts = [
-        sum(right and done for right, done in settled),
-        sum(done and not right for right, done in settled),
+        sum(bool(right and done) for right, done in settled),
+        sum(bool(done and not right) for right, done in settled),
         sum(not done for _, done in settled),
     ]
     return " | ".join(f"{100.0 * count / max(len(settled), 1):7.0f}" for count in counts)
