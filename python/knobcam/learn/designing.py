@@ -32,7 +32,7 @@ STANDARD = ("sweep", "multisine", "turns", "hand")
 """The motions that a designed one is held against."""
 SEARCH = "looking for the motion"
 """What is said of the search, which is by far the longest."""
-_SEARCH_S = 7.0  # at most: on a quick machine the motions are weighed before
+_SEARCH_S = 5.0  # at most: where motions take long to weigh, or the machine is slow
 _TRIES = 500
 """Motions weighed beyond those that a search begins with, the same ones however quick the machine."""
 _CHANGE_S = 3.0  # for all limits that might be wider, together
