@@ -154,9 +154,10 @@ class _Filling:
         self.at = part.end(self.at)
         return True
 
-    def said(self, limits: Limits) -> str:
-        """What it is where there was no time for more than the way to where it begins."""
-        return f"a move to {self.at:.3g} {limits.unit}" if self.parts else _NOTHING
+    def told(self, times: int, words: str, limits: Limits) -> tuple[list[Part], str]:
+        """Return its parts and what they are; without time for more than the way to where it begins, that."""
+        way = f"a move to {self.at:.3g} {limits.unit}" if self.parts else _NOTHING
+        return self.parts, words if times else way
 
 
 def _span(u: float, place: float, limits: Limits) -> tuple[float, float]:
@@ -180,10 +181,8 @@ def _passes(u: Numbers, limits: Limits, eased: float, seconds: float, at: float)
     ends = 0
     while filling.put(Move((high, low)[ends % 2], speed, hard)):
         ends += 1
-    if not ends:
-        return filling.parts, filling.said(limits)
     way = f"{high - low:.3g} {limits.unit} at {speed:.3g} {limits.unit}/s"
-    return filling.parts, f"to and fro over {way}, {_times(ends)}"
+    return filling.told(ends, f"to and fro over {way}, {_times(ends)}", limits)
 
 
 def _speeds(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) -> tuple[list[Part], str]:
@@ -203,10 +202,8 @@ def _speeds(u: Numbers, limits: Limits, eased: float, seconds: float, at: float)
         if not filling.put(Move(there, speed, hard)):
             break
         ends += 1
-    if not ends:
-        return filling.parts, filling.said(limits)
     speeds = f"{slowest:.3g} to {fastest:.3g} {limits.unit}/s, {steps} speeds"
-    return filling.parts, f"to and fro {_times(ends)}, each time faster: {speeds}"
+    return filling.told(ends, f"to and fro {_times(ends)}, each time faster: {speeds}", limits)
 
 
 def _loops(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) -> tuple[list[Part], str]:
@@ -227,12 +224,11 @@ def _loops(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) 
         while filling.left > until and filling.put(Move(there + side * 0.5 * size, speed, hard)):
             side, moves = -side, moves + 1
         reached += moves > before
-    if not moves:
-        return filling.parts, filling.said(limits)
     small = f"{1e3 * size:.3g} mm" if limits.unit == "m" else f"{math.degrees(size):.3g} degrees"
     way = small if size < 1.0 else f"{size:.3g} {limits.unit}"
     times = f"{_of(moves, 'move')} at {_of(reached, 'place')}"
-    return filling.parts, f"slow to and fro within {way} at {speed:.3g} {limits.unit}/s, {times}"
+    words = f"slow to and fro within {way} at {speed:.3g} {limits.unit}/s, {times}"
+    return filling.told(moves, words, limits)
 
 
 def _rests(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) -> tuple[list[Part], str]:
@@ -250,10 +246,8 @@ def _rests(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) 
         if not (filling.put(Move(low + level * (high - low), speed, hard)) and filling.put(Rest(rest))):
             break
         moves += 1
-    if not moves:
-        return filling.parts, filling.said(limits)
     rests = f" with rests of {rest:.2g} s between" if moves > 1 else ""
-    return filling.parts, f"{_of(moves, 'move')} at {speed:.3g} {limits.unit}/s{rests}"
+    return filling.told(moves, f"{_of(moves, 'move')} at {speed:.3g} {limits.unit}/s{rests}", limits)
 
 
 def _waves(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) -> tuple[list[Part], str]:
