@@ -79,7 +79,7 @@ impl Bare<'_> {
         let mut added = Vec::with_capacity(raw.len());
         for chunk in self.signals.chunks(true) {
             let mut piece = raw[chunk.whole.clone()].to_vec();
-            self.signals.measure(&mut [&mut piece]);
+            self.signals.measure_over(&chunk.whole, &mut [&mut piece]);
             added.extend_from_slice(&piece[chunk.inner()]);
         }
         weigh(&mut added, &self.counts);

@@ -77,7 +77,7 @@ pub fn measured(
 ) {
     raw(model, p, seeds, signals, chunk.whole.clone(), out);
     let mut columns: Vec<&mut [f64]> = out.data.iter_mut().map(Vec::as_mut_slice).collect();
-    signals.measure(&mut columns);
+    signals.measure_over(&chunk.whole, &mut columns);
 }
 
 /// Model torque and derivatives over a range of samples, before any filter.
@@ -105,7 +105,7 @@ pub fn several(model: &Model, sets: &[Vec<f64>], signals: &Signals, chunk: &Chun
     let sets: Vec<Vec<f64>> = sets.iter().map(|p| model.of_run(&signals.run, p).into_owned()).collect();
     chain::several(model, &sets, signals.substeps, motion, 1.0 / signals.rate_hz, out);
     let mut columns: Vec<&mut [f64]> = out.iter_mut().map(Vec::as_mut_slice).collect();
-    signals.measure(&mut columns);
+    signals.measure_over(&chunk.whole, &mut columns);
 }
 
 /// Model torque at every sample of a capture through the measurement filter, N m; samples outside of
@@ -129,7 +129,9 @@ fn over_capture(model: &Model, signals: &Signals, mut fill: impl FnMut(&Chunk, &
     for chunk in signals.chunks(model.remembers()) {
         fill(&chunk, &mut columns);
         if let Some(column) = columns.data.first() {
-            tau[chunk.core.clone()].copy_from_slice(&column[chunk.inner()]);
+            for rows in signals.parts(&chunk.core) {
+                tau[rows.clone()].copy_from_slice(&column[chunk.within(&rows)]);
+            }
         }
     }
     tau

@@ -14,6 +14,9 @@ const SHORT_CHUNK: usize = 512;
 
 /// Gain of the measurement filter (forward and backward) at which a frequency counts as stopped.
 const STOPPED: f64 = 0.0101;
+/// What the knob remembers is carried across a gap of at most so many seconds: in so short a time the motion is that
+/// between its ends, and a knob that began anew behind each lost row would be another one.
+const CARRIED_S: f64 = 0.02;
 /// Samples of which at least one is kept.
 const SPARSEST: usize = 64;
 
@@ -70,7 +73,12 @@ pub struct Chunk {
 impl Chunk {
     /// The core, counted from the start of the whole.
     pub fn inner(&self) -> Range<usize> {
-        self.core.start - self.whole.start..self.core.end - self.whole.start
+        self.within(&self.core)
+    }
+
+    /// Rows of the whole, counted from its start.
+    pub fn within(&self, rows: &Range<usize>) -> Range<usize> {
+        rows.start - self.whole.start..rows.end - self.whole.start
     }
 }
 
@@ -136,11 +144,38 @@ impl Signals {
         Motion { t, theta, omega, alpha, forward }
     }
 
+    /// Ranges over which the knob's history is known: segments, together where next to nothing was lost between them.
+    /// Between them there may be rows that are in none: a stretch that is too short for the filter.
+    pub fn passages(&self) -> Vec<Range<usize>> {
+        let mut passages: Vec<Range<usize>> = Vec::with_capacity(self.segments.len());
+        for segment in &self.segments {
+            let near = |before: &&mut Range<usize>| {
+                let clock = &self.t[before.end.saturating_sub(1)..=segment.start];
+                clock.windows(2).all(|pair| pair[1] - pair[0] <= CARRIED_S)
+                    && self.theta[before.end..segment.start].iter().all(|theta| theta.is_finite())
+            };
+            match passages.last_mut().filter(near) {
+                Some(before) => before.end = segment.end,
+                None => passages.push(segment.clone()),
+            }
+        }
+        passages
+    }
+
+    /// What segments have of these rows.
+    pub fn parts(&self, rows: &Range<usize>) -> impl Iterator<Item = Range<usize>> + '_ {
+        let (start, end) = (rows.start, rows.end);
+        let first = self.segments.partition_point(|segment| segment.end <= start);
+        let within = self.segments[first..].iter().take_while(move |segment| segment.start < end);
+        within.map(move |segment| segment.start.max(start)..segment.end.min(end))
+    }
+
     /// The capture in pieces that fit in the cache, each with the surroundings that the filter needs; for a
-    /// model that `remembers` in whole stretches.
+    /// model that `remembers` in whole passages.
     pub fn chunks(&self, remembers: bool) -> Vec<Chunk> {
         if remembers {
-            return self.segments.iter().map(|s| Chunk { whole: s.clone(), core: s.clone() }).collect();
+            let whole = |passage: Range<usize>| Chunk { core: passage.clone(), whole: passage };
+            return self.passages().into_iter().map(whole).collect();
         }
         let halo = self.filter.as_ref().map_or(0, |filter| filter.sos().settle());
         let mut chunks = Vec::new();
@@ -163,7 +198,31 @@ impl Signals {
         chunks
     }
 
-    /// Does to columns over `chunk.whole` what the measurement filter did to the measured torque.
+    /// Does to columns over these rows what was done to the measured torque: straight lines where nothing was
+    /// measured, then the measurement filter, in each segment apart.
+    pub fn measure_over(&self, rows: &Range<usize>, columns: &mut [&mut [f64]]) {
+        for part in self.parts(rows) {
+            let (from, to) = (part.start - rows.start, part.end - rows.start);
+            let mut parts: Vec<&mut [f64]> = columns.iter_mut().map(|column| &mut column[from..to]).collect();
+            self.bridge(&part, &mut parts);
+            self.measure(&mut parts);
+        }
+    }
+
+    /// Straight lines over what was not measured of these rows of a segment.
+    fn bridge(&self, rows: &Range<usize>, columns: &mut [&mut [f64]]) {
+        let first = self.bridges.partition_point(|bridge| bridge.start <= rows.start);
+        for bridge in self.bridges[first..].iter().take_while(|bridge| bridge.end < rows.end) {
+            let (before, after) = (bridge.start - rows.start - 1, bridge.end - rows.start);
+            let step = 1.0 / (after - before) as f64;
+            for column in columns.iter_mut() {
+                let (from, slope) = (column[before], step * (column[after] - column[before]));
+                (1..after - before).for_each(|i| column[before + i] = from + i as f64 * slope);
+            }
+        }
+    }
+
+    /// Does to columns over rows of one segment what the measurement filter did to the measured torque.
     pub fn measure(&self, columns: &mut [&mut [f64]]) {
         if let Some(filter) = &self.filter {
             // Segments are longer than the padding, and all columns as long as the chunk: it cannot refuse.
@@ -203,6 +262,75 @@ impl Signals {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::effects::Id;
+    use crate::model::Model;
+    use crate::predict;
+
+    #[test]
+    fn lost_rows_leave_what_the_knob_remembers_as_it_was() {
+        let (rate_hz, w) = (1000.0, 9.0_f64);
+        // Rows of a second of swinging, without those from `lost`.
+        let over = |lost: Range<usize>| {
+            let rows: Vec<usize> = (0..1000).filter(|row| !lost.contains(row)).collect();
+            let column = |f: &dyn Fn(f64) -> f64| rows.iter().map(|row| f(*row as f64 / rate_hz)).collect();
+            // Next to what was lost some rows are in no segment.
+            let segments = match lost.start {
+                0 => vec![0..1000; 1],
+                start => vec![0..start - 3, start + 2..rows.len()],
+            };
+            let forward = |t: f64| f64::from(u8::from((w * t).cos() > 0.0));
+            Signals {
+                rate_hz,
+                substeps: 4,
+                t: column(&|t| t),
+                theta: column(&|t| 0.3 * (w * t).sin()),
+                omega: column(&|t| 0.3 * w * (w * t).cos()),
+                alpha: column(&|t| -0.3 * w * w * (w * t).sin()),
+                forward: column(&forward),
+                weight: vec![1.0; rows.len()],
+                segments,
+                ..Signals::default()
+            }
+        };
+        let (short, long) = (400..415, 400..460);
+        assert_eq!(over(short.clone()).passages(), vec![0..985; 1]);
+        assert_eq!(over(long.clone()).passages(), [0..397, 402..940]);
+        for id in [Id::Presliding, Id::Backlash, Id::Compliance] {
+            let mut model = Model::equation_1(Axis::Rotary, false).with(id).unwrap();
+            let base = [("inertia.M", 1e-4), ("coulomb.neg", 0.02), ("coulomb.pos", 0.02)];
+            let own: &[(&str, f64)] = match id {
+                Id::Presliding => &[("presliding.s", 0.5), ("presliding.w1", 0.7)],
+                Id::Backlash => &[("backlash.gap", 0.05), ("backlash.k", 2.0), ("backlash.d", 1e-3)],
+                _ => &[("compliance.k", 0.5), ("compliance.d", 1e-3)],
+            };
+            base.iter().chain(own).for_each(|(name, value)| model.set(name, *value).unwrap());
+            let whole = predict::torque_raw(&model, &over(0..0));
+            let off = |lost: Range<usize>| {
+                let torque = predict::torque_raw(&model, &over(lost.clone()));
+                // What the joint did right behind the gap has faded by then; friction has not turned round yet.
+                (lost.end + 10..500)
+                    .fold(0.0_f64, |off, row| off.max((torque[row - lost.len()] - whole[row]).abs()))
+            };
+            assert!(off(short.clone()) < 1e-4, "{id:?}: {}", off(short));
+            assert!(off(long.clone()) > 1e-3, "{id:?}: {}", off(long));
+        }
+    }
+
+    #[test]
+    fn a_modelled_torque_has_straight_lines_where_the_measured_one_has_them() {
+        let squares = |rows: Range<u32>| rows.map(|row| f64::from(row * row)).collect::<Vec<f64>>();
+        let signals =
+            Signals { segments: vec![0..6, 6..20], bridges: vec![3..4, 9..12, 18..19], ..Signals::default() };
+        let mut column = squares(0..20);
+        signals.measure_over(&(0..20), &mut [&mut column]);
+        let mut lines = squares(0..20);
+        [(3, 10.0), (9, 84.0), (10, 104.0), (11, 124.0), (18, 325.0)].map(|(at, tau)| lines[at] = tau);
+        assert_eq!(column, lines);
+        // Of a piece whose border is on a line the rest stays: it is what the filter needs around, and less.
+        let mut piece = squares(10..19);
+        signals.measure_over(&(10..19), &mut [&mut piece]);
+        assert_eq!(piece, squares(10..19));
+    }
 
     #[test]
     fn a_motion_that_is_seen_later_is_where_it_will_be_and_its_torque_is_left_as_it_is() {

@@ -136,7 +136,8 @@ fn positive(options: &Bound<'_, PyDict>, name: &str) -> PyResult<Option<f64>> {
     }
 }
 
-/// Prepares a recording (`run` is its name and its fingerprint) by method `smooth`, `paper`, `none` or `differences`; see `knobcam.prepare`.
+/// Prepares a recording (`run` is its name and its fingerprint) by method `smooth`, `paper`, `none` or `differences`; see
+/// `knobcam.prepare`. Or `exact`, as it is, and the torque at samples that do not count too.
 /// Of what is `trusted`, `theta`, `omega`, `alpha` or `bands`, what is found is told and left as it is.
 #[pyfunction]
 #[pyo3(signature = (axis_name, rate_hz, t, theta, omega, alpha, tau, after_gap, measured, method, options, run=None, trusted=vec![]))]
@@ -161,6 +162,7 @@ pub fn prepare(
         "smooth" => Preparation::smooth(rate_hz),
         "paper" => Preparation::paper(rate_hz),
         "none" => Preparation::none(),
+        "exact" => Preparation { bridged: false, ..Preparation::none() },
         "differences" => {
             let cutoff = positive(options, "cutoff_hz")?.unwrap_or(0.1 * rate_hz);
             Preparation::differences(cutoff, positive(options, "decimate")?.map_or(1, |d| d as usize))

@@ -152,7 +152,7 @@ def exact(
     gaps = np.zeros(n, dtype=bool)
     torque = np.zeros(n) if torque is None else torque
     counts = ~gaps if counts is None else counts
-    return _core.prepare(coordinate, track.rate_hz, *track, torque, gaps, counts, "none", options or {})
+    return _core.prepare(coordinate, track.rate_hz, *track, torque, gaps, counts, "exact", options or {})
 
 
 def _torque(model: Model, track: MotionTrack) -> FloatArray:

@@ -114,7 +114,7 @@ pub fn knob(
     let mut hidden = Hidden::<f64>::new(model, p, instant(0), dt, substeps)?;
     let (mut angles, mut speeds) = (Vec::with_capacity(t.len()), Vec::with_capacity(t.len()));
     for at in 0..t.len() {
-        hidden.follow(model, p, &mut state, instant(at), 0, None);
+        hidden.follow(model, p, &mut state, instant(at), missed(t, at, dt), None);
         let [theta, omega] = hidden.knob();
         angles.push(theta);
         speeds.push(omega);
@@ -126,6 +126,16 @@ pub fn knob(
     };
     let accelerations = (0..=last).map(slope).collect();
     Some([angles, speeds, accelerations])
+}
+
+/// At most so many missing samples are stepped through one by one.
+const MOST_MISSED: usize = 1000;
+
+/// Samples that are missing before this one.
+fn missed(t: &[f64], at: usize, dt: f64) -> usize {
+    let before = t[at.saturating_sub(1)];
+    // Less than one, or no number, is none.
+    (((t[at] - before) / dt - 0.5) as usize).min(MOST_MISSED)
 }
 
 /// What is simulated, and by which parameters it is differentiated.
@@ -201,7 +211,8 @@ impl<T: Carried, B: Fn(usize) -> Option<Beside<T>>, F: FnMut(usize, T)> pulp::Nu
         }
         let Some(mut hidden) = Hidden::new(model, p, instant(0), *dt, *substeps) else { return };
         for (at, alpha) in alpha.iter().enumerate() {
-            let force = hidden.follow(model, p, &mut state, instant(at), 0, beside(at));
+            let missed = missed(t, at, *dt);
+            let force = hidden.follow(model, p, &mut state, instant(at), missed, beside(at));
             out(at, hidden.shafts.scaled(T::Value::of(*alpha)) + force);
         }
     }

@@ -61,7 +61,7 @@ impl Thinned {
         evaluate(data, model, &model.values(), &Seeds::of(model, params), |evaluated| {
             let scale = self.scale[evaluated.capture];
             for (column, part) in columns.iter_mut().zip(evaluated.columns) {
-                let kept = self.kept(evaluated.capture, &evaluated.chunk.core);
+                let kept = self.kept(evaluated.capture, &evaluated.rows);
                 column.extend(kept.map(|at| scale * part[at]));
             }
             squares += evaluated.columns.last().map_or(0.0, |residual| dot(residual, residual));
@@ -76,7 +76,7 @@ impl Thinned {
         residuals(data, model, sets, |evaluated| {
             let scale = self.scale[evaluated.capture];
             for ((residual, squares), part) in all.iter_mut().zip(evaluated.columns) {
-                let kept = self.kept(evaluated.capture, &evaluated.chunk.core);
+                let kept = self.kept(evaluated.capture, &evaluated.rows);
                 residual.extend(kept.map(|at| scale * part[at]));
                 *squares += dot(part, part);
             }

@@ -1,9 +1,13 @@
 //! Detents: evenly spaced valleys that the knob falls into.
 
-use super::{Base, Carrier, Effect, LoadEffect, Over, Survey, Wave, Words};
+use super::{Base, Carrier, Context, Effect, LoadEffect, Over, Survey, Wave, Words, short};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
+use std::f64::consts::TAU;
+
+/// Times the way: of a longer one less than a half was seen, and a bent line is no wave.
+const LONGEST: f64 = 2.0;
 
 /// A sin(theta / P + S); one detent is 2 pi P.
 pub struct Detent;
@@ -43,6 +47,14 @@ impl Effect<3> for Detent {
         survey.waves.clone().unwrap_or_else(|| vec![Self::PARAMS.map(|param| param.neutral)])
     }
 
+    fn implausible(&[_, p, _]: &[f64; 3], context: &Context) -> Vec<String> {
+        let pitch = TAU * p.abs();
+        if pitch <= LONGEST * context.travel() {
+            return Vec::new();
+        }
+        vec![format!("a detent is {} long, more than twice the way: it is a spring", short(pitch, 2))]
+    }
+
     fn typical(carrier: &Carrier<'_>) -> [f64; 3] {
         let [a, p] = carrier.detent.unwrap_or([0.005, 0.08]);
         [a, p, 0.5]
@@ -59,7 +71,6 @@ impl LoadEffect<3> for Detent {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::TAU;
 
     #[test]
     fn the_torque_repeats_at_the_next_detent_and_the_work_over_one_is_nothing() {
@@ -69,5 +80,13 @@ mod tests {
         let work: f64 = (0..n).map(|i| torque(pitch * f64::from(i) / f64::from(n))).sum();
         assert!(work.abs() < 1e-11);
         assert!((torque(0.37) - torque(0.37 + pitch)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn one_of_which_less_than_half_was_seen_is_a_spring() {
+        let context = Context { theta: vec![-1.0, 2.0], ..Context::default() };
+        assert!(Detent::implausible(&[0.1, 0.9, 0.0], &context).is_empty());
+        let said = Detent::implausible(&[0.1, -1.0, 0.0], &context);
+        assert_eq!(said, ["a detent is 6.3 long, more than twice the way: it is a spring"]);
     }
 }

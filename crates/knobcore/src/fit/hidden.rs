@@ -27,18 +27,18 @@ fn moved(signals: &Signals, model: &Model, loads: &Model) -> Signals {
     let mut hidden = signals.clone();
     let values = model.values();
     let p = model.of_run(&signals.run, &values);
-    for segment in &signals.segments {
-        let motion = signals.motion_columns(segment.clone());
+    for passage in signals.passages() {
+        let motion = signals.motion_columns(passage.clone());
         let Some([theta, omega, alpha]) =
             chain::knob(model, &p, motion, 1.0 / signals.rate_hz, signals.substeps)
         else {
             continue;
         };
         let forward = omega.iter().map(|omega| if *omega == 0.0 { 0.5 } else { f64::from(*omega > 0.0) });
-        hidden.forward.splice(segment.clone(), forward);
-        hidden.theta[segment.clone()].copy_from_slice(&theta);
-        hidden.omega[segment.clone()].copy_from_slice(&omega);
-        hidden.alpha[segment.clone()].copy_from_slice(&alpha);
+        hidden.forward.splice(passage.clone(), forward);
+        hidden.theta[passage.clone()].copy_from_slice(&theta);
+        hidden.omega[passage.clone()].copy_from_slice(&omega);
+        hidden.alpha[passage.clone()].copy_from_slice(&alpha);
     }
     let (joined, rigid) = (predict::torque(model, signals), predict::torque(loads, &hidden));
     for segment in &signals.segments {

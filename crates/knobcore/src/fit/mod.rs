@@ -371,7 +371,7 @@ impl Fit {
         let mut band = vec![f64::NAN; signals.len()];
         let unweighted = Signals { weight: vec![1.0; signals.len()], ..signals.clone() };
         evaluate(&[&unweighted], &self.model, &self.model.values(), &seeds, |evaluated| {
-            for (row, at) in evaluated.chunk.core.clone().enumerate() {
+            for (row, at) in evaluated.rows.clone().enumerate() {
                 let j = |c: usize| evaluated.columns[c][row];
                 let mut variance = 0.0;
                 for a in 0..self.free.len() {

@@ -6,8 +6,9 @@
 use crate::isa;
 use crate::model::Model;
 use crate::predict::{Columns, Seeds, measured, several};
-use crate::signals::{Chunk, Signals};
+use crate::signals::Signals;
 use pulp::Simd;
+use std::ops::Range;
 
 /// Products of the `k` derivative columns with each other and with the residual, over the used samples.
 #[derive(Debug, Clone, PartialEq)]
@@ -159,8 +160,8 @@ pub struct Evaluated<'a> {
     pub capture: usize,
     /// Its samples.
     pub signals: &'a Signals,
-    /// Which samples.
-    pub chunk: &'a Chunk,
+    /// Which of them, all in one segment.
+    pub rows: Range<usize>,
     /// k derivative columns and the residual, each as long as the chunk's core.
     pub columns: &'a [&'a [f64]],
 }
@@ -177,21 +178,24 @@ pub fn evaluate(
     for (capture, signals) in data.iter().enumerate() {
         for chunk in signals.chunks(model.remembers()) {
             measured(model, p, seeds, signals, &chunk, &mut columns);
-            let inner = chunk.inner();
-            let (tau, weight) = (&signals.tau[chunk.core.clone()], &signals.weight[chunk.core.clone()]);
-            let (model_torque, derivatives) = columns.split();
-            leave(&mut model_torque[inner.clone()], tau, weight);
-            // Eight at a time, which are compared side by side.
-            if weight.chunks(8).any(|few| few.iter().fold(false, |any, w| any | (*w < 1.0))) {
-                for column in derivatives.iter_mut() {
-                    for (d, w) in column[inner.clone()].iter_mut().zip(weight) {
-                        *d *= w;
+            for rows in signals.parts(&chunk.core) {
+                let inner = chunk.within(&rows);
+                let (tau, weight) = (&signals.tau[rows.clone()], &signals.weight[rows.clone()]);
+                let (model_torque, derivatives) = columns.split();
+                leave(&mut model_torque[inner.clone()], tau, weight);
+                // Eight at a time, which are compared side by side.
+                if weight.chunks(8).any(|few| few.iter().fold(false, |any, w| any | (*w < 1.0))) {
+                    for column in derivatives.iter_mut() {
+                        for (d, w) in column[inner.clone()].iter_mut().zip(weight) {
+                            *d *= w;
+                        }
                     }
                 }
+                let mut views: Vec<&[f64]> =
+                    derivatives.iter().map(|column| &column[inner.clone()]).collect();
+                views.push(&model_torque[inner]);
+                visit(&Evaluated { capture, signals, rows, columns: &views });
             }
-            let mut views: Vec<&[f64]> = derivatives.iter().map(|column| &column[inner.clone()]).collect();
-            views.push(&model_torque[inner]);
-            visit(&Evaluated { capture, signals, chunk: &chunk, columns: &views });
         }
     }
 }
@@ -210,10 +214,13 @@ pub fn residuals(data: &[&Signals], model: &Model, sets: &[Vec<f64>], mut visit:
     for (capture, signals) in data.iter().enumerate() {
         for chunk in signals.chunks(model.remembers()) {
             several(model, sets, signals, &chunk, &mut columns);
-            let (tau, weight) = (&signals.tau[chunk.core.clone()], &signals.weight[chunk.core.clone()]);
-            columns.iter_mut().for_each(|column| leave(&mut column[chunk.inner()], tau, weight));
-            let views: Vec<&[f64]> = columns.iter().map(|column| &column[chunk.inner()]).collect();
-            visit(&Evaluated { capture, signals, chunk: &chunk, columns: &views });
+            for rows in signals.parts(&chunk.core) {
+                let inner = chunk.within(&rows);
+                let (tau, weight) = (&signals.tau[rows.clone()], &signals.weight[rows.clone()]);
+                columns.iter_mut().for_each(|column| leave(&mut column[inner.clone()], tau, weight));
+                let views: Vec<&[f64]> = columns.iter().map(|column| &column[inner.clone()]).collect();
+                visit(&Evaluated { capture, signals, rows, columns: &views });
+            }
         }
     }
 }
@@ -252,7 +259,7 @@ impl Blocks {
             self.capture = evaluated.capture;
             self.blocks.push(Moments::empty(k));
         }
-        let weight = &evaluated.signals.weight[evaluated.chunk.core.clone()];
+        let weight = &evaluated.signals.weight[evaluated.rows.clone()];
         let mut from = 0;
         while from < weight.len() {
             let Some(block) = self.blocks.last_mut() else { return };

@@ -146,7 +146,7 @@ impl Products {
         let mut sums = vec![vec![0.0; PLACES]; k + 2];
         let mut plain = DMatrix::zeros(k + 1, k + 1);
         evaluate(data, model, &model.values(), &Seeds::of(model, linear), |evaluated| {
-            let core = evaluated.chunk.core.clone();
+            let core = evaluated.rows.clone();
             let theta = &evaluated.signals.theta[core.clone()];
             let weight = &evaluated.signals.weight[core];
             for row in (0..theta.len()).step_by(stride).filter(|row| weight[*row] > 0.0) {

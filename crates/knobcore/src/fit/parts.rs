@@ -52,7 +52,7 @@ impl Parts {
 
     /// Takes one chunk of a pass.
     pub fn add(&mut self, evaluated: &Evaluated<'_>) {
-        let (signals, core) = (evaluated.signals, &evaluated.chunk.core);
+        let (signals, core) = (evaluated.signals, &evaluated.rows);
         for from in core.clone().step_by(PIECE) {
             let to = (from + PIECE).min(core.end);
             let views: Vec<&[f64]> =
@@ -138,10 +138,9 @@ mod tests {
             ..Signals::default()
         };
         let mut parts = Parts::of(&[&signals], 1);
-        let chunk = crate::signals::Chunk { whole: 0..n, core: 0..n };
         let ones = vec![1.0; n];
         let columns = [&ones[..], &rest[..]];
-        parts.add(&Evaluated { capture: 0, signals: &signals, chunk: &chunk, columns: &columns });
+        parts.add(&Evaluated { capture: 0, signals: &signals, rows: 0..n, columns: &columns });
         parts.variances(&[0])[0].sqrt()
     }
 

@@ -261,7 +261,7 @@ pub fn scan(
     let mut sum = super::moments::Moments::empty(k);
     evaluate(data, model, p, &seeds, |evaluated| {
         sum.add_columns(evaluated.columns);
-        let core = evaluated.chunk.core.clone();
+        let core = evaluated.rows.clone();
         let signed: Vec<Vec<f64>> = match wave {
             Wave::Torque | Wave::Orders => Vec::new(),
             // A product of two signed columns is that of the columns: only the products with the wave change.

@@ -15,7 +15,7 @@ use pulp::Simd;
 
 /// Which samples of a chunk are looked at: of those that count one of `every`.
 pub fn thinned<'a>(evaluated: &'a Evaluated<'_>, every: usize) -> impl Iterator<Item = usize> + 'a {
-    let weight = &evaluated.signals.weight[evaluated.chunk.core.clone()];
+    let weight = &evaluated.signals.weight[evaluated.rows.clone()];
     (0..weight.len()).filter(|row| weight[*row] > 0.0).step_by(every)
 }
 

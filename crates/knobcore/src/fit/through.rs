@@ -66,7 +66,7 @@ impl<'a> Through<'a> {
         let rows = data.iter().map(|signals| signals.len()).sum();
         let mut columns = vec![vec![0.0; rows]; free.len() + 1];
         evaluate(data, model, &model.values(), &Seeds::of(model, &free), |evaluated| {
-            let core = evaluated.chunk.core.clone();
+            let core = evaluated.rows.clone();
             let from = starts[evaluated.capture] + core.start;
             for (column, part) in columns.iter_mut().zip(evaluated.columns) {
                 column[from..from + core.len()].copy_from_slice(&part[..core.len()]);

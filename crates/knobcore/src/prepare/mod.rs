@@ -90,6 +90,9 @@ pub struct Preparation {
     pub trim: Option<usize>,
     /// Of the filtered samples only every so many count.
     pub every: usize,
+    /// Whether straight lines stand for the torque that was not measured; else it is what the motion made, and just
+    /// does not count.
+    pub bridged: bool,
     /// What is found and told, but left as it is.
     pub trusted: Trusted,
 }
@@ -133,6 +136,7 @@ impl Preparation {
             skip: 0,
             trim: Some(0),
             every: 1,
+            bridged: true,
             trusted,
         }
     }
@@ -261,6 +265,8 @@ fn with_motion(
         weight[at] = 0.0;
     }
     weight = without_unsure(&weight, &moving, &segments, settle / 2).unwrap_or(weight);
+    let bridged = segments.iter().filter(|_| how.bridged);
+    let bridges = bridged.flat_map(|segment| not_measured(recording.measured, segment));
     let start = recording.t.first().copied().unwrap_or(0.0);
     let mut signals = Signals {
         run: recording.run.clone(),
@@ -275,7 +281,7 @@ fn with_motion(
         tau: Vec::new(),
         tau_raw: recording.tau.to_vec(),
         weight,
-        bridges: segments.iter().flat_map(|segment| not_measured(recording.measured, segment)).collect(),
+        bridges: bridges.collect(),
         segments,
         stuck,
         filter,

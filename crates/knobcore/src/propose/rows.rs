@@ -243,9 +243,9 @@ fn pressing(signals: &Signals, model: &Model) -> Vec<f64> {
     let mut pressing = vec![0.0; signals.len()];
     let values = model.values();
     let p = model.of_run(&signals.run, &values);
-    for segment in signals.segments.iter().filter(|_| !model.is_coupled()) {
+    for passage in signals.passages().into_iter().filter(|_| !model.is_coupled()) {
         let mut state = vec![0.0; model.states()];
-        for at in segment.clone() {
+        for at in passage {
             let motion = signals.motion(at);
             pressing[at] = model.load(&p, &mut state, &motion).pressing(motion.alpha);
         }
@@ -253,12 +253,12 @@ fn pressing(signals: &Signals, model: &Model) -> Vec<f64> {
     pressing
 }
 
-/// What formulas know as `s`; every segment begins anew.
+/// What formulas know as `s`; every passage begins anew.
 fn since_turned(signals: &Signals) -> Vec<f64> {
     let mut since = vec![0.0; signals.len()];
-    for segment in &signals.segments {
+    for passage in signals.passages() {
         let mut state = [0.0; STATES];
-        segment.clone().for_each(|at| since[at] = follow(&mut state, &signals.motion(at)));
+        passage.for_each(|at| since[at] = follow(&mut state, &signals.motion(at)));
     }
     since
 }

@@ -36,6 +36,10 @@ _DOUBT = 3.5  # deviations within which they are as good as the others
 _WIDEST = 60  # rows between the first and the last of those beside, beyond which a parabola says nothing
 _AGREE = 1.6  # times the noise that a parabola may leave: chance leaves more once in ten thousand
 _ROUNDS = 5
+_SIDE, _AROUND = (
+    5,
+    10,
+)  # rows on either side, most of which tell what is usual there, and the way from row to row
 _FEW = 0.15  # neighbours among the wild, below which they say little
 _ALIKE = 0.75  # of these on the same side, above which they are pulses
 _RARELY, _UNEVEN = 0.005, 0.01  # intervals between stamps that are left out, and how far others differ
@@ -80,9 +84,9 @@ def wild(t: FloatArray, values: FloatArray, least: float) -> BoolArray:
     if pulses or late:
         return np.zeros_like(found)
     found |= (np.abs(off) > AS_USUAL * noise) & fresh
-    # Steps and the densest places have no parabola: there what is beyond all good ones on either side.
+    # Steps and the densest places have no parabola: there what is far from most on either side.
     rows = np.flatnonzero(doubtful & ~found & fresh)
-    found[rows[_beyond(values, rows, np.flatnonzero(~doubtful)) > FAR * noise]] = True
+    found[rows[_unlike(values, rows, np.flatnonzero(~found)) > FAR * noise]] = True
     for first, end in zip(*runs(found), strict=True):
         found[first:end] = end - first <= LONGEST
     return found
@@ -133,10 +137,18 @@ def _off(
     return off, way
 
 
-def _beyond(values: FloatArray, rows: IntArray, good: IntArray) -> FloatArray:
-    """How far `rows` are outside all of the good ones beside them; zero within."""
+def _unlike(values: FloatArray, rows: IntArray, others: IntArray) -> FloatArray:
+    """How far `rows` are from the median of those before or of those after, beyond the way from there.
+
+    What belongs to either side of a step is not far; next to it two of five may be wild. Zero at the ends.
+    """
     off = np.zeros(len(rows))
-    inside, beside = _beside(rows, good)
-    own, around = values[rows[inside]], values[beside]
-    off[inside] = np.maximum(0.0, np.maximum(own - around.max(axis=1), around.min(axis=1) - own))
+    at = np.searchsorted(others, rows)
+    inside = np.flatnonzero((at >= _AROUND) & (at < len(others) - _AROUND))
+    around = values[others[at[inside, None] + np.delete(np.arange(-_AROUND, _AROUND + 1), _AROUND)]]
+    way = 0.5 * (_SIDE + 1) * np.median(np.abs(np.diff(around, axis=1)), axis=1)
+    sides = np.median(
+        np.stack((around[:, _AROUND - _SIDE : _AROUND], around[:, _AROUND : _AROUND + _SIDE])), axis=2
+    )
+    off[inside] = np.min(np.abs(sides - values[rows[inside]]), axis=0) - way
     return off
