@@ -324,7 +324,9 @@ mod tests {
         let mut column = squares(0..20);
         signals.measure_over(&(0..20), &mut [&mut column]);
         let mut lines = squares(0..20);
-        [(3, 10.0), (9, 84.0), (10, 104.0), (11, 124.0), (18, 325.0)].map(|(at, tau)| lines[at] = tau);
+        for (at, tau) in [(3, 10.0), (9, 84.0), (10, 104.0), (11, 124.0), (18, 325.0)] {
+            lines[at] = tau;
+        }
         assert_eq!(column, lines);
         // Of a piece whose border is on a line the rest stays: it is what the filter needs around, and less.
         let mut piece = squares(10..19);
