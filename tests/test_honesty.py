@@ -16,6 +16,12 @@ def test_a_parameter_at_its_bound_is_named_unless_it_is_the_one_of_no_effect() -
     late = dataclasses.replace(capture, tau=np.roll(capture.tau, 150))  # 30 ms, and 20 are the most
     said = kc.fit(late, lag).warnings
     assert any(one.startswith("torque_lag.delay is at its bound, 0.02") for one in said)
+    # Of a load some part is in the friction, or all or none of it.
+    pressed = kc.Model.load("knob4").with_effect("load_friction")
+    by_detent = pressed.with_value("load_friction.mu", 0.5).with_value("load_friction.s_alpha", 0.0)
+    fit = kc.fit(kc.simulate(by_detent, "multisine"), pressed)
+    assert fit.params["load_friction.s_alpha"].value == 0.0
+    assert not any("bound" in said for said in fit.warnings)
 
 
 def test_a_direction_that_never_happens_has_no_friction():

@@ -318,3 +318,18 @@ def test_friction_below_zero_both_ways_is_a_fault_of_the_log_and_an_offset_is_no
     assert doubt(knob.tau + 0.02) is None
     said = doubt(knob.tau - 0.02 * given)
     assert said is not None and said.startswith("coulomb.neg and coulomb.pos came out negative")
+
+
+def test_an_offset_over_a_motion_that_ends_elsewhere_gives_no_power_back() -> None:
+    t = np.arange(5000) / 1000.0
+    omega = 2.0 + 3.0 * np.cos(9.0 * t)
+    alpha = -27.0 * np.sin(9.0 * t)
+    theta = 2.0 * t + 3.0 * np.sin(9.0 * t) / 9.0
+    noise = 1e-4 * np.random.default_rng(2).standard_normal(len(t))
+
+    def fitted_with(offset: float, friction: float) -> str | None:
+        tau = 1e-4 * alpha + friction * np.sign(omega) + offset + noise
+        return kc.fit(kc.Capture.from_arrays(t=t, theta=theta, omega=omega, alpha=alpha, tau=tau)).impossible
+
+    assert fitted_with(-0.05, 0.01) is None
+    assert fitted_with(0.05, -0.01) == "friction gives power back, which no knob does"

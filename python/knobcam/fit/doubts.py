@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from .fitting import Fit
 
 
+_SHARE = {0.0, 1.0}
+"""Bounds of a share, none and all of it, which are as likely as any other."""
+
+
 def at_floor(fit: Fit) -> bool:
     """Whether an error is no different from what noise alone would leave; false where that is not known."""
     return fit.noise_floor > 0.0 and fit.rmse <= _core.at_floor(fit.white_squares) * fit.noise_floor
@@ -104,7 +108,8 @@ def _at_bounds(fit: Fit) -> list[str]:
     for name, estimate in fit.params.items():
         effect, own = name.split(".", 1)
         row = catalogue[effect].parameter(own)
-        for bound in {row.lower, row.upper} - {row.neutral}:
+        bounds = {row.lower, row.upper}
+        for bound in bounds - (_SHARE if bounds == _SHARE else {row.neutral}):
             if estimate.determined and math.isclose(estimate.value, bound, rel_tol=1e-6):
                 found.append(f"{name} is at its bound, {bound:g}: it stands in for something else")
     return found

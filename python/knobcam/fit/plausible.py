@@ -130,17 +130,26 @@ def _friction(coordinate: str) -> list[str]:
 
 
 def _friction_power(fit: Fit) -> tuple[float, float]:
-    """Return what friction of the base model takes, and its standard error, N m rad/s on average."""
+    """Return what friction of the base model takes, and its standard error, N m rad/s on average.
+
+    Less what a constant torque makes of a motion that ends elsewhere: that is an offset, and no friction.
+    """
     rubs = _friction(fit.model.coordinate)
     told = [(name, e) for name, e in fit.params.items() if name.split(".")[0] in rubs]
     names = [name for name, estimate in told if estimate.determined and estimate.value != 0.0]
     omega = np.concatenate([np.where(one.used, one.omega, 0.0) for one in fit.prepared])
-    takes = np.array([float(np.nanmean(_of(fit, name) * omega)) for name in names])
+    takes = np.array([float(np.nanmean(_without_constant(_of(fit, name), omega) * omega)) for name in names])
     se = np.array([fit.params[name].se for name in names])
     power = takes.sum()
     slopes = takes / np.array([fit.params[name].value for name in names])
     joint = np.array([[fit.correlation[a][b] for b in names] for a in names]).reshape(len(names), len(names))
     return float(power), float(np.sqrt(max((slopes * se) @ joint @ (slopes * se), 0.0)))
+
+
+def _without_constant(torque: FloatArray, omega: FloatArray) -> FloatArray:
+    """Return a torque less what is the same forward and backward in it, where it goes both ways."""
+    means = [float(np.nanmean(torque[way])) for way in (omega > 0.0, omega < 0.0) if way.any()]
+    return torque - np.mean(means) if len(means) > 1 else torque
 
 
 def log_fault(fit: Fit) -> Said | None:

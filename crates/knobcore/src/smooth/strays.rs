@@ -50,6 +50,9 @@ const APART: f64 = 4.0;
 /// Readings of such a sensor at least: a lively motion rounds off fewer of an impact.
 const FEWEST: usize = 5;
 
+/// The same of a velocity between an angle and an acceleration: what it leaps by would show in both.
+const BETWEEN_BOTH: usize = 2;
+
 /// Places beyond which a motion is full of impacts.
 const PLACES: usize = 100;
 
@@ -166,6 +169,7 @@ fn off(
     let speaks = |i: usize| there[i].is_some() && model.variance[i].is_finite();
     let mut found = None;
     for i in (0..3).filter(|&i| speaks(i) && (0..3).any(|other| other != i && speaks(other))) {
+        let fewest = if i == 1 && speaks(0) && speaks(2) { BETWEEN_BOTH } else { FEWEST };
         let mut without = there[i]?.to_vec();
         without[here.clone()].fill(f64::NAN);
         let mut seen = local;
@@ -193,7 +197,7 @@ fn off(
         // Before and after it a sensor that is off is right.
         let within = here.start + WINDOW..here.end - WINDOW;
         let whole = wild.iter().all(|(row, _)| within.contains(row));
-        if wild.len() < FEWEST || !whole || !noticed(model, i, wild.iter().map(|(_, error)| *error)) {
+        if wild.len() < fewest || !whole || !noticed(model, i, wild.iter().map(|(_, error)| *error)) {
             continue;
         }
         if found.replace((i, wild)).is_some() {

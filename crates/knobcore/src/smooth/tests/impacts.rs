@@ -190,6 +190,26 @@ fn a_wild_reading_of_one_sensor_is_named_and_an_impact_is_not() {
 }
 
 #[test]
+fn a_few_velocities_in_a_row_are_left_out_where_angle_and_acceleration_both_tell() {
+    let mut seen = Motion::of(even(SAMPLES), motion::multisine).seen(5, FINE);
+    let runs: [(usize, &[f64]); 4] = [
+        (4_260, &[12.3, 5.9, -7.2, -5.9]),
+        (9_320, &[-14.2, -12.9, -11.7, -19.4]),
+        (7_000, &[8.0, 9.0]),
+        (2_000, &[-4.0, 5.0, 5.0]),
+    ];
+    let mut rows = Vec::new();
+    for (first, off) in runs {
+        rows.extend(first..first + off.len());
+        seen.omega[first..].iter_mut().zip(off).for_each(|(omega, off)| *omega += off);
+    }
+    rows.sort_unstable();
+    let [theta, mut omega, alpha] = smoothed(&seen).strays;
+    omega.sort_unstable();
+    assert_eq!((theta, omega, alpha), (vec![], rows, vec![]));
+}
+
+#[test]
 fn a_sensor_that_is_off_for_some_ms_is_left_out_and_the_motion_stays_what_it_was() {
     let truth = Motion::of(even(SAMPLES), motion::multisine);
     for (sensor, off) in [(0, 0.1), (1, 2.0), (2, 300.0)] {
