@@ -51,13 +51,15 @@ class Log(NamedTuple):
         return knob, columns
 
     def _knob(self, motion: str, strength: float, keep: float) -> Hidden:
-        """The knob; its effect is half as strong where none shows it so strongly."""
+        """The knob; its effect is as much weaker as it takes where none shows it so strongly."""
         if not self.hides:
             return make(self.seed, [], motion, keep=keep)
-        try:
-            return make(self.seed, self.effects, motion, strength, keep=keep)
-        except ValueError:
-            return make(self.seed, self.effects, motion, strength / 2.0, keep=keep)
+        while strength > WEAKEST / 4.0:
+            try:
+                return make(self.seed, self.effects, motion, strength, keep=keep)
+            except ValueError:
+                strength /= 2.0
+        return make(self.seed, self.effects, motion, strength, keep=keep)
 
 
 def examine(log: Log) -> Row:

@@ -248,7 +248,7 @@ def test_every_snippet_of_a_page_runs_and_prints_what_is_shown(
 
 
 @pytest.mark.usefixtures("searched_once")
-def test_the_servo_of_a_page_that_let_go_is_said_to_and_without_that_its_log_is_doubted() -> None:
+def test_the_servo_of_a_page_that_let_go_is_said_to_and_without_that_its_run_is_at_odds() -> None:
     """Four runs of one servo; in one of them it swings free for four seconds, which no voltage tells."""
     runs = sorted((SHARED / "bam_xl330").glob("*.json"))
     if len(runs) < 4:
@@ -260,8 +260,11 @@ def test_the_servo_of_a_page_that_let_go_is_said_to_and_without_that_its_log_is_
     assert right.verdict == "unexplained" and "negative" not in right.headline
     assert not [one for one in right.fit.warnings if "negative" in one]
     captures[1] = kc.load(runs[1], overrule=["let_go:tau"])
-    doubted = kc.learn(captures, without=COUPLINGS)
-    assert "the log, not an effect, may be what is wrong" in doubted.headline
+    odd = kc.learn(captures, without=COUPLINGS)
+    assert odd.verdict == "unexplained"
+    assert [one for one in odd.fit.warnings if one.startswith("coulomb.neg is negative")]
+    friction = next(one for one in odd.disagreements if one.param.startswith("viscous"))
+    assert runs[1].name in str(friction)
 
 
 def test_a_page_that_shows_something_else_is_noticed() -> None:

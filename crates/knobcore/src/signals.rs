@@ -198,7 +198,7 @@ impl Signals {
         chunks
     }
 
-    /// Does to columns over these rows what was done to the measured torque: straight lines where nothing was
+    /// Does to columns over these rows what was done to the measured torque: straight lines where a reversal was not
     /// measured, then the measurement filter, in each segment apart.
     pub fn measure_over(&self, rows: &Range<usize>, columns: &mut [&mut [f64]]) {
         for part in self.parts(rows) {
@@ -209,10 +209,15 @@ impl Signals {
         }
     }
 
-    /// Straight lines over what was not measured of these rows of a segment.
+    /// Straight lines over what was not measured of these rows of a segment where the direction changed, and friction
+    /// with it. Elsewhere a torque is as straight over so few rows, or so fast that nobody knows it.
     fn bridge(&self, rows: &Range<usize>, columns: &mut [&mut [f64]]) {
         let first = self.bridges.partition_point(|bridge| bridge.start <= rows.start);
         for bridge in self.bridges[first..].iter().take_while(|bridge| bridge.end < rows.end) {
+            let [from, to] = [bridge.start - 1, bridge.end].map(|at| self.forward[at] > 0.5);
+            if from == to {
+                continue;
+            }
             let (before, after) = (bridge.start - rows.start - 1, bridge.end - rows.start);
             let step = 1.0 / (after - before) as f64;
             for column in columns.iter_mut() {
@@ -317,10 +322,14 @@ mod tests {
     }
 
     #[test]
-    fn a_modelled_torque_has_straight_lines_where_the_measured_one_has_them() {
+    fn a_modelled_torque_has_straight_lines_where_the_measured_one_has_them_over_a_reversal() {
         let squares = |rows: Range<u32>| rows.map(|row| f64::from(row * row)).collect::<Vec<f64>>();
-        let signals =
-            Signals { segments: vec![0..6, 6..20], bridges: vec![3..4, 9..12, 18..19], ..Signals::default() };
+        let signals = Signals {
+            forward: (0..20).map(|row| f64::from(u8::from(!(4..10).contains(&row) && row != 19))).collect(),
+            segments: vec![0..6, 6..20],
+            bridges: vec![3..4, 9..12, 14..15, 18..19],
+            ..Signals::default()
+        };
         let mut column = squares(0..20);
         signals.measure_over(&(0..20), &mut [&mut column]);
         let mut lines = squares(0..20);
