@@ -16,7 +16,9 @@ from typing import Any
 # One thread each: the logs are examined beside one another.
 THREADS = ("OPENBLAS_NUM_THREADS", "RAYON_NUM_THREADS")
 RESULTS = Path(__file__).with_name("results") / "logs.json"
-COMMAND = "python benches/study_logs.py --seeds {seeds} --fits {fits} --first {first} --apart {apart} --cap {cap:g}"
+COMMAND = (
+    "python benches/study_logs.py --seeds {seeds} --fits {fits} --first {first} --apart {apart} --cap {cap:g}"
+)
 
 
 def run(logs: list[Any], jobs: int) -> list[dict[str, Any]]:
