@@ -162,7 +162,7 @@ pub struct Evaluated<'a> {
     pub signals: &'a Signals,
     /// Which of them, all in one segment.
     pub rows: Range<usize>,
-    /// k derivative columns and the residual, each as long as the chunk's core.
+    /// k derivative columns and the residual, each as long as these rows.
     pub columns: &'a [&'a [f64]],
 }
 

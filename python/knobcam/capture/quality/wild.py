@@ -36,10 +36,8 @@ _DOUBT = 3.5  # deviations within which they are as good as the others
 _WIDEST = 60  # rows between the first and the last of those beside, beyond which a parabola says nothing
 _AGREE = 1.6  # times the noise that a parabola may leave: chance leaves more once in ten thousand
 _ROUNDS = 5
-_SIDE, _AROUND = (
-    5,
-    10,
-)  # rows on either side, most of which tell what is usual there, and the way from row to row
+_SIDE = 5  # rows on either side, most of which tell what is usual there
+_AROUND = 10  # the same, that tell the way from row to row
 _FEW = 0.15  # neighbours among the wild, below which they say little
 _ALIKE = 0.75  # of these on the same side, above which they are pulses
 _RARELY, _UNEVEN = 0.005, 0.01  # intervals between stamps that are left out, and how far others differ
