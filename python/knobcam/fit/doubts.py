@@ -102,7 +102,10 @@ def _back_emf(fit: Fit) -> list[str]:
 
 
 def _at_bounds(fit: Fit) -> list[str]:
-    """What is said of parameters that the search ended at; at a neutral bound there is just none of it."""
+    """What is said of parameters that the search ended at; at a neutral bound there is just none of it.
+
+    At the bounds of a share there is none or all of it.
+    """
     catalogue = fit.model.catalogue()
     found = []
     for name, estimate in fit.params.items():

@@ -183,14 +183,7 @@ pub fn evaluate(
                 let (tau, weight) = (&signals.tau[rows.clone()], &signals.weight[rows.clone()]);
                 let (model_torque, derivatives) = columns.split();
                 leave(&mut model_torque[inner.clone()], tau, weight);
-                // Eight at a time, which are compared side by side.
-                if weight.chunks(8).any(|few| few.iter().fold(false, |any, w| any | (*w < 1.0))) {
-                    for column in derivatives.iter_mut() {
-                        for (d, w) in column[inner.clone()].iter_mut().zip(weight) {
-                            *d *= w;
-                        }
-                    }
-                }
+                mask(derivatives, &inner, weight);
                 let mut views: Vec<&[f64]> =
                     derivatives.iter().map(|column| &column[inner.clone()]).collect();
                 views.push(&model_torque[inner]);
@@ -205,6 +198,17 @@ pub fn evaluate(
 fn leave(modelled: &mut [f64], tau: &[f64], weight: &[f64]) {
     for ((f, tau), w) in modelled.iter_mut().zip(tau).zip(weight) {
         *f = (tau - *f) * w;
+    }
+}
+
+/// Makes these rows of columns zero where a sample does not count.
+#[inline(always)]
+fn mask(columns: &mut [Vec<f64>], rows: &Range<usize>, weight: &[f64]) {
+    // Eight at a time, which are compared side by side.
+    if weight.chunks(8).any(|few| few.iter().fold(false, |any, w| any | (*w < 1.0))) {
+        for column in columns.iter_mut() {
+            column[rows.clone()].iter_mut().zip(weight).for_each(|(d, w)| *d *= w);
+        }
     }
 }
 

@@ -143,10 +143,10 @@ def _unlike(values: FloatArray, rows: IntArray, others: IntArray) -> FloatArray:
     off = np.zeros(len(rows))
     at = np.searchsorted(others, rows)
     inside = np.flatnonzero((at >= _AROUND) & (at < len(others) - _AROUND))
-    around = values[others[at[inside, None] + np.delete(np.arange(-_AROUND, _AROUND + 1), _AROUND)]]
+    beside = np.delete(np.arange(-_AROUND, _AROUND + 1), _AROUND)
+    around = values[others[at[inside, None] + beside]]
     way = 0.5 * (_SIDE + 1) * np.median(np.abs(np.diff(around, axis=1)), axis=1)
-    sides = np.median(
-        np.stack((around[:, _AROUND - _SIDE : _AROUND], around[:, _AROUND : _AROUND + _SIDE])), axis=2
-    )
-    off[inside] = np.min(np.abs(sides - values[rows[inside]]), axis=0) - way
+    before_and_after = around[:, _AROUND - _SIDE : _AROUND + _SIDE].reshape(-1, 2, _SIDE)
+    away = np.abs(np.median(before_and_after, axis=2) - values[rows[inside], None])
+    off[inside] = np.min(away, axis=1) - way
     return off
