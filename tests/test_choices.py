@@ -67,15 +67,28 @@ def test_laws_that_came_in_may_be_off_by_a_share_of_what_they_explain():
     third = Known(2.0, before=second)
     assert verdict.explained(third) == 21.0 and verdict.explained(first) == 0.0
     assert verdict.off_by_law(third) == pytest.approx(21.0 * RULE.law**2)
-    # Where a joint is among them by more.
-    gap = replace(third, effects=(*BASE, "backlash"))
-    assert verdict.off_by_law(gap) == pytest.approx(21.0 * RULE.law_of_joint**2)
+    # Where what follows a reversal is among them by more.
+    for late in ("backlash", "presliding"):
+        gap = replace(third, effects=(*BASE, late))
+        assert verdict.off_by_law(gap) == pytest.approx(21.0 * RULE.law_of_joint**2)
     for times, within in ((0.99, True), (1.01, False)):
         # What is left above the floor, against what the laws may be off by.
         before = Known(math.sqrt(1.0 + 4e-4 / RULE.law**2))
         left = Known(math.sqrt(1.0 + times * 4e-4), before=before)
         assert verdict.within_law(left) == within
     assert not verdict.within_law(Known(2.0 * RULE.at_floor, before=Known(1e3)))
+
+
+def test_what_a_law_may_be_off_by_names_nothing_more_also_above_the_floor_where_it_follows_a_reversal(
+    monkeypatch,
+):
+    laws = []
+    monkeypatch.setattr(verdict._core, "judge", lambda _, law, __: laws.append(law) or [])
+    for rmse, effect in ((1.0, "stribeck"), (1.2, "stribeck"), (1.2, "presliding")):
+        fit = Known(rmse, before=Known(5.0), effects=(*BASE, effect))
+        assert verdict.judged(SimpleNamespace(fit=fit, judged=None), []) == ()
+        expected = verdict.off_by_law(fit) if (rmse, effect) != (1.2, "stribeck") else 0.0
+        assert laws.pop() == expected
 
 
 def named(ladder: list[LearningStep], left: Any, base: tuple[str, ...] = BASE) -> tuple[Any, Any]:

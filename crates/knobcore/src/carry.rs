@@ -39,12 +39,13 @@ pub fn carrier<'a>(model: &'a Model, signals: &'a Signals, noise: f64, limit: f6
     let value = |name: &str| model.index(name).map(|i| model.slots()[i].value).ok();
     let both = |names: [&str; 2]| names.into_iter().filter_map(value).collect::<Vec<f64>>();
     let drag = both(["viscous.neg", "viscous.pos"]);
-    let survey = survey(signals, &torque, value("inertia.M").map_or(0.0, f64::abs));
+    let dry = 0.5 * both(["coulomb.neg", "coulomb.pos"]).iter().map(|dry| dry.abs()).sum::<f64>();
+    let survey = survey(signals, &torque, value("inertia.M").map_or(0.0, f64::abs), dry);
     let floor = (noise * gain.sqrt()).max(SHARE * rms(&torque));
     let rows = taken.first().map_or(0, Vec::len);
     let bare = Bare { model, signals, torque, taken: orthonormal(&taken, rows), counts };
     Carrier {
-        dry: 0.5 * both(["coulomb.neg", "coulomb.pos"]).iter().map(|dry| dry.abs()).sum::<f64>(),
+        dry,
         pushes: drag.iter().fold(0.0, |pushes: f64, b| pushes.max(-b)),
         detent: value("detent.A").zip(value("detent.P")).map(|(a, p)| [a.abs(), p]),
         floor,
@@ -90,7 +91,7 @@ impl Bare<'_> {
     }
 }
 
-fn survey(signals: &Signals, torque: &[f64], inertia: f64) -> Survey {
+fn survey(signals: &Signals, torque: &[f64], inertia: f64, dry: f64) -> Survey {
     let ranked = |values: &mut dyn Iterator<Item = f64>| -> Vec<f64> {
         let mut values: Vec<f64> = values.collect();
         values.sort_by(f64::total_cmp);
@@ -104,6 +105,7 @@ fn survey(signals: &Signals, torque: &[f64], inertia: f64) -> Survey {
         duration_s: signals.t.last().copied().unwrap_or(0.0),
         rate_hz: signals.rate_hz,
         inertia,
+        friction: [dry; 2],
         revolution: (signals.axis == Axis::Rotary).then_some(1.0),
         waves: None,
     }

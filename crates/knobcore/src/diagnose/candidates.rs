@@ -354,6 +354,14 @@ mod tests {
     }
 
     #[test]
+    fn friction_that_builds_up_over_most_of_the_way_is_found_though_none_is_left_without_it() {
+        let truth = [("presliding.s", 1.0), ("presliding.w1", 0.5), ("presliding.w2", 0.5)];
+        let found = &named(&truth, &[Id::Presliding])[0];
+        let fit = found.fit.as_ref().unwrap();
+        assert!(fit.rmse < 1.05 * SD, "{}", fit.rmse / SD);
+    }
+
+    #[test]
     fn a_joint_is_looked_for_where_nothing_else_explains_what_is_left_and_nowhere_else() {
         const TRIED: [Id; 2] = [Id::QuadraticDrag, Id::Compliance];
         let looked = |truth: &[(&str, f64)]| {

@@ -69,6 +69,7 @@ fn context(data: &[&Signals], fit: &Fit, id: Id, clipped: bool, first: bool) -> 
         rate_hz: data.first().map_or(1.0, |signals| signals.rate_hz),
         noise_floor: fit.noise_floor,
         period: fit.model.period().map(|at| slots[at].value),
+        period_error: fit.model.period().and_then(error).unwrap_or(0.0),
         revolution: (fit.model.axis == Axis::Rotary).then_some(1.0),
         friction: friction(&fit.model),
         clipped,
@@ -77,7 +78,7 @@ fn context(data: &[&Signals], fit: &Fit, id: Id, clipped: bool, first: bool) -> 
 }
 
 /// Dry friction backward and forward, N m.
-fn friction(model: &Model) -> [f64; 2] {
+pub(super) fn friction(model: &Model) -> [f64; 2] {
     model.load(&model.values(), &mut vec![0.0; model.states()], &Motion::exact(0.0, 0.0, 0.0, 0.0)).resist
 }
 

@@ -4,6 +4,7 @@
 //! of the base's, so that what the base parameters can absorb does not count. Of all columns as many samples are kept as
 //! the measurement filter's bandwidth needs.
 
+use super::implausible::friction;
 use super::thinned::Thinned;
 use super::watch::Watch;
 use crate::algebra::{dot, orthonormal, orthonormal_beside};
@@ -343,6 +344,7 @@ pub(super) fn survey(data: &[&Signals], model: &Model) -> Survey {
         duration_s: data.iter().filter_map(|s| s.t.last()).fold(0.0, |a: f64, b| a.max(*b)),
         rate_hz: data.first().map_or(1.0, |s| s.rate_hz),
         inertia: model.inertia().map_or(0.0, |i| model.slots()[i].value.abs()),
+        friction: friction(model),
         revolution: (model.axis == Axis::Rotary).then_some(1.0),
         waves: None,
     }

@@ -135,6 +135,7 @@ mod tests {
             duration_s: 2.0,
             rate_hz: 1000.0,
             inertia: 1e-4,
+            friction: [0.01; 2],
             revolution: Some(1.0),
             waves: None,
         };

@@ -110,11 +110,11 @@ impl Effect<COUNT> for Cogging {
 
     /// Waves that all return with the detents are theirs, as far as their harmonics go.
     fn implausible(p: &[f64; COUNT], context: &Context) -> Vec<String> {
-        let Some(period) = context.period else { return Vec::new() };
+        let Some([detents, error]) = context.detents() else { return Vec::new() };
         let orders: Vec<f64> = p[1..].chunks(3).map(|term| term[0]).filter(|order| *order > 0.0).collect();
         let theirs = |order: f64| {
-            let waves = order * period / p[0];
-            (1.0 - WHOLE..HARMONICS + WHOLE).contains(&waves) && (waves - waves.round()).abs() < WHOLE
+            let n = (order / p[0] / detents).round();
+            (1.0..=HARMONICS).contains(&n) && context.alike([order / p[0], 0.0], [n * detents, n * error])
         };
         if !orders.is_empty() && orders.into_iter().all(theirs) {
             return vec!["it repeats with the detents: {detent_harmonics} would, by nature".into()];

@@ -1,5 +1,11 @@
 //! What is known of the fit that the values of an effect come from: enough to say whether they can be its own.
 
+use std::f64::consts::TAU;
+
+/// Waves within the motion by which a series that is bound to another may seem not to be; standard errors on top.
+const BOUND: f64 = 0.02;
+const SURE: f64 = 3.0;
+
 /// Surroundings of fitted values; SI.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Context {
@@ -17,6 +23,8 @@ pub struct Context {
     pub noise_floor: f64,
     /// Period of the detents over 2 pi, rad, if the model has some.
     pub period: Option<f64>,
+    /// Its standard error, rad; 0 where it has none.
+    pub period_error: f64,
     /// Period over 2 pi of a revolution, rad; None on a linear axis.
     pub revolution: Option<f64>,
     /// Dry friction backward and forward, N m; a constant torque is in the difference.
@@ -28,6 +36,16 @@ pub struct Context {
 }
 
 impl Context {
+    /// Waves of the detents in 2 pi rad, and their standard error.
+    pub fn detents(&self) -> Option<[f64; 2]> {
+        self.period.map(|period| rate(period, self.period_error))
+    }
+
+    /// Whether two series of so many waves in 2 pi rad, with standard errors, are one as far as the motion tells.
+    pub fn alike(&self, [one, error]: [f64; 2], [other, its]: [f64; 2]) -> bool {
+        ((one - other).abs() - SURE * error.hypot(its)) * self.travel() < BOUND * TAU
+    }
+
     /// Range of positions that the samples go through, rad.
     pub fn travel(&self) -> f64 {
         let ends = |(low, high): (f64, f64), x: &f64| (low.min(*x), high.max(*x));
@@ -39,6 +57,11 @@ impl Context {
     pub fn share(&self, holds: impl Fn(f64) -> bool) -> f64 {
         self.theta.iter().filter(|theta| holds(**theta)).count() as f64 / self.theta.len().max(1) as f64
     }
+}
+
+/// Waves in 2 pi rad of a period over 2 pi, and their standard error.
+pub fn rate(period: f64, error: f64) -> [f64; 2] {
+    [1.0 / period, error / (period * period)]
 }
 
 /// A number with so many digits that count, as a person writes it.
@@ -76,5 +99,20 @@ mod tests {
         let context =
             Context { t: vec![0.0, 1.0, 2.0, 3.0], theta: vec![-1.0, 0.0, 0.5, 3.0], ..Context::default() };
         assert_eq!((context.travel(), context.share(|theta| theta > 0.0)), (4.0, 0.5));
+    }
+
+    #[test]
+    fn two_series_are_one_where_the_motion_or_what_is_known_of_them_does_not_tell_them_apart() {
+        let short = Context { theta: vec![0.0, TAU], period: Some(0.1), ..Context::default() };
+        let long = Context { theta: vec![0.0, 5.0 * TAU], ..short.clone() };
+        let [detents, _] = short.detents().unwrap();
+        assert_eq!(detents, 10.0);
+        assert!(short.alike([20.01, 0.0], [2.0 * detents, 0.0]));
+        assert!(!long.alike([20.01, 0.0], [2.0 * detents, 0.0]));
+        assert!(long.alike([20.01, 3e-3], [2.0 * detents, 0.0]));
+        // A hundredth of a period more is a hundredth of the waves less.
+        let unsure = Context { period_error: 1e-3, ..long };
+        assert!((unsure.detents().unwrap()[1] - 0.1).abs() < 1e-12);
+        assert!(unsure.alike([10.2, 0.0], unsure.detents().unwrap()));
     }
 }

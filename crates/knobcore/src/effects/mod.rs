@@ -59,7 +59,7 @@ use std::marker::PhantomData;
 
 pub use carrier::Carrier;
 pub use context::Context;
-pub(crate) use context::short;
+pub(crate) use context::{rate, short};
 pub use registry::Info;
 pub use survey::{Survey, Wave};
 pub use told::{Base, Over, TakenUp, Words};

@@ -16,6 +16,10 @@ pub struct Presliding;
 const FAR: f64 = 0.2;
 /// Samples after a reversal that it takes at least.
 const NEAR: f64 = 2.0;
+/// Of the friction one way so much at most the other way, or none of it is told as such.
+const BENT: f64 = 0.6;
+/// Shares of friction all of which builds up, most of it late.
+const ALL: [f64; 6] = [0.35, 0.25, 0.2, 0.1, 0.05, 0.05];
 
 const fn share(name: &'static str, meaning: &'static str) -> Param {
     Param::shape(name, Unit::NUMBER, [0.0, 1.0], 0.0, meaning)
@@ -65,7 +69,14 @@ impl Effect<7> for Presliding {
     fn starts(survey: &Survey) -> Vec<[f64; 7]> {
         let longest = 0.3 * survey.range();
         let lengths = [1.0, 0.4, 0.16, 0.064, 0.025, 0.01].map(|share| share * longest.min(1.0));
-        lengths.into_iter().map(|s| [s.max(1e-7), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).collect()
+        let start = |[w1, w2, w3, w4, w5, w6]: [f64; 6]| lengths.map(|s| [s.max(1e-7), w1, w2, w3, w4, w5, w6]);
+        let mut starts = start([0.0; 6]).to_vec();
+        // Friction that builds up over most of the way looks like a spring and like none, and of none no share builds up.
+        let [least, most] = [f64::min, f64::max].map(|of| of(survey.friction[0], survey.friction[1]));
+        if least < BENT * most {
+            starts.extend(start(ALL));
+        }
+        starts
     }
 
     /// It ends within a small part of the way, and takes longer than the sensors' step.
@@ -153,6 +164,19 @@ mod tests {
         for i in [5_usize, 20, 40, 90] {
             assert!((f[400 + 2 * i] - (1.0 - 2.0 * f[i])).abs() < 1e-9, "{i}: {} {}", f[400 + 2 * i], f[i]);
         }
+    }
+
+    #[test]
+    fn friction_that_looks_like_none_is_looked_for_as_building_up_altogether_too() {
+        let survey = |friction| {
+            let torque = vec![0.0, 0.05];
+            Survey { friction, theta: vec![-1.0, 1.0], speed: torque.clone(), torque, ..Survey::default() }
+        };
+        let builds_up = |friction| {
+            let starts = Presliding::starts(&survey(friction));
+            starts.iter().filter(|[_, shares @ ..]| (shares.iter().sum::<f64>() - 1.0).abs() < 1e-12).count()
+        };
+        assert_eq!([[5e-3, 6e-3], [2e-3, 5e-3], [-3e-3, 2e-3], [-3e-3, -2e-3]].map(builds_up), [0, 6, 6, 6]);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A second series of detents, with a period of its own.
 
 use super::detent::Detent;
-use super::{Carrier, Context, Effect, Id, LoadEffect, Over, Survey, Wave, Words};
+use super::{Carrier, Context, Effect, Id, LoadEffect, Over, Survey, Wave, Words, rate};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -14,10 +14,6 @@ pub struct SecondDetent;
 const LEAST_WAVES: f64 = 4.0;
 /// Two series of nearly one period are told apart by this many waves within the motion.
 const RESOLVED: f64 = 1.0;
-/// Waves within the motion by which one that is bound to the detents, or to the turn, may seem not to be; standard
-/// errors on top.
-const BOUND: f64 = 0.1;
-const SURE: f64 = 3.0;
 /// The highest harmonic that a detent is given, and of how many times slower ones those that were found may be one.
 const HARMONICS: u8 = 5;
 const SLOWER: u8 = 3;
@@ -78,20 +74,19 @@ impl Effect<3> for SecondDetent {
         if own < LEAST_WAVES {
             return vec![format!("only {own:.1} of its waves were crossed: any smooth torque looks so")];
         }
-        let error = context.errors.get(1).copied().flatten().unwrap_or(0.0);
-        let bound = BOUND + SURE * own * error / period;
+        let rate = rate(*period, context.errors.get(1).copied().flatten().unwrap_or(0.0));
         if let Some(turn) = context.revolution.filter(|turn| waves(*turn) >= TURNS) {
             let order = (turn / period).round();
-            if (own - order * waves(turn)).abs() < bound {
+            if context.alike(rate, [order / turn, 0.0]) {
                 return vec![format!("it comes {order} times per turn: {{cogging}} would, by nature")];
             }
         }
-        let Some(detents) = context.period.map(waves) else { return Vec::new() };
-        if (own - detents).abs() < RESOLVED {
+        let (Some(theirs), Some(detents)) = (context.period.map(waves), context.detents()) else { return Vec::new() };
+        if (own - theirs).abs() < RESOLVED {
             return vec!["it is too near the detents to be told from them".into()];
         }
         let series = |slower: u8| (1..=HARMONICS).map(move |n| f64::from(n) / f64::from(slower));
-        if (1..=SLOWER).flat_map(series).any(|times| (own - times * detents).abs() < bound) {
+        if (1..=SLOWER).flat_map(series).any(|n| context.alike(rate, detents.map(|of| n * of))) {
             return vec!["it repeats with the detents: {detent_harmonics} would, by nature".into()];
         }
         Vec::new()

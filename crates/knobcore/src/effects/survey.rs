@@ -12,7 +12,7 @@ pub enum Wave {
 }
 
 /// Quantiles of the samples that count; SI.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Survey {
     /// Angle, rad, ascending.
     pub theta: Vec<f64>,
@@ -26,6 +26,8 @@ pub struct Survey {
     pub rate_hz: f64,
     /// Magnitude of the inertia that the base model sees, kg m^2.
     pub inertia: f64,
+    /// Dry friction backward and forward that it sees, N m: bent, even below zero, where an effect is missing.
+    pub friction: [f64; 2],
     /// Period over 2 pi of a revolution, rad; None on a linear axis.
     pub revolution: Option<f64>,
     /// The strongest waves of the kind that the effect scans for, beside what the model explains: amplitude (N m),

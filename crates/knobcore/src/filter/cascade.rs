@@ -106,12 +106,12 @@ impl<R: Registers> Pair<R> {
             y = [y0, y[0]];
             *sample = y0;
         }
-        let faded = registers.splat_f64s(FADED);
-        let kept = |value| {
-            let small = registers.less_than_f64s(registers.abs_f64s(value), faded);
-            registers.select_f64s(small, registers.splat_f64s(0.0), value)
-        };
-        self.history = [x, u, y].map(|newest| newest.map(kept));
+        self.history = [x, u, y];
+        // Loops: the bodies of closures are not sure to be compiled with the instruction set, and were not.
+        for value in self.history.as_flattened_mut() {
+            let small = registers.less_than_f64s(registers.abs_f64s(*value), registers.splat_f64s(FADED));
+            *value = registers.select_f64s(small, registers.splat_f64s(0.0), *value);
+        }
     }
 }
 

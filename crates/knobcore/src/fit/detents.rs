@@ -12,7 +12,7 @@ use crate::param::Axis;
 use crate::rule::rule;
 use crate::signals::Signals;
 use std::cell::OnceCell;
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 /// Widest period over 2 pi of what counts as detents on a rotary axis, rad: 1.25 to the turn. What comes once a
 /// turn is gravity or a bent shaft.
@@ -88,6 +88,15 @@ pub fn scan_beside(data: &[&Signals], model: &Model) -> Option<(Model, Found, Sc
     Some((bare, found, scan))
 }
 
+/// The values of a model with detents where a search for them begins: the others are those without.
+pub fn beginning(full: &Model, bare: &Model, without: &Found) -> Result<Vec<f64>> {
+    let mut start = full.values();
+    for (slot, value) in bare.slots().iter().zip(&without.p) {
+        start[full.index(&slot.name())?] = *value;
+    }
+    Ok(start)
+}
+
 /// What decides whether there are detents.
 pub struct Judge<'a> {
     /// The captures.
@@ -123,6 +132,33 @@ impl Judge<'_> {
             && period >= finest
             && within_a_turn;
         Ok(detents && (phase > UNMISTAKABLE || self.beat_smooth(with)?))
+    }
+
+    /// Narrower detents than those that were found, where less than one of these was seen: that is what a smooth torque
+    /// looks like, and beside one others may stand out. None where none do.
+    pub fn narrower(&self, full: &Model, with: &Found) -> Result<Option<Found>> {
+        let seen = |of: &Model, found: &Found| Ok(range(self.data) / found.p[of.index("detent.P")?]);
+        if seen(full, with)? >= TAU || self.bare.has(Id::PositionPolynomial) {
+            return Ok(None);
+        }
+        let smooth = self.bare.with(Id::PositionPolynomial)?;
+        let Some((bare, without, scan)) = scan_beside(self.data, &smooth) else { return Ok(None) };
+        let beside = Judge { bare: &bare, without: &without, scan: &scan, floor: OnceCell::new(), ..*self };
+        if !beside.promising() {
+            return Ok(None);
+        }
+        let both = bare.with(Id::Detent)?;
+        let start = beginning(&both, &bare, &without)?;
+        let found = best_from_scan(self.data, &both, &Layout::of(&both), &start, &scan)?;
+        let Some(found) = found.filter(|found| found.cost < with.cost) else { return Ok(None) };
+        if seen(&both, &found)? <= UNMISTAKABLE || !beside.are_there(&both, &found)? {
+            return Ok(None);
+        }
+        let mut start = beginning(full, self.bare, self.without)?;
+        for name in ["detent.A", "detent.P", "detent.S"] {
+            start[full.index(name)?] = found.p[both.index(name)?];
+        }
+        Ok(Some(descend(self.data, full, &Layout::of(full), &start, Effort::Full)))
     }
 
     /// Whether a detent that takes `gain` off the sum of squares stands out of the scan and explains a share

@@ -39,7 +39,7 @@ use crate::model::{Model, Role};
 use crate::predict::Seeds;
 use crate::signals::Signals;
 use crate::special::Z95;
-use detents::{Judge, best_from_scan, scan_beside};
+use detents::{Judge, beginning, best_from_scan, scan_beside};
 use held_out::held_out;
 use moments::{Blocks, used};
 use nalgebra::DMatrix;
@@ -187,11 +187,7 @@ struct Start {
 fn scanned(data: &[&Signals], model: &Model, detents: Detents, loudest: &[f64]) -> Result<Option<Start>> {
     let Some((bare, without, scan)) = scan_beside(data, model) else { return Ok(None) };
     let full = if model.has(Id::Detent) { model.clone() } else { bare.with(Id::Detent)? };
-    let mut start = full.values();
-    for (slot, value) in bare.slots().iter().zip(&without.p) {
-        start[full.index(&slot.name())?] = *value;
-    }
-    let best = || best_from_scan(data, &full, &Layout::of(&full), &start, &scan);
+    let best = || best_from_scan(data, &full, &Layout::of(&full), &beginning(&full, &bare, &without)?, &scan);
     let with = if detents == Detents::AsModel {
         best()?
     } else {
@@ -199,7 +195,9 @@ fn scanned(data: &[&Signals], model: &Model, detents: Detents, loudest: &[f64]) 
         let judge = Judge { data, bare: &bare, without: &without, scan: &scan, loudest, floor };
         let found = if judge.promising() { best()? } else { None };
         match found {
-            Some(with) if judge.are_there(&full, &with)? => Some(with),
+            Some(with) if judge.are_there(&full, &with)? => {
+                Some(judge.narrower(&full, &with)?.unwrap_or(with))
+            }
             _ => return Ok(Some(Start { model: bare, found: Some(without), scan: Some(scan) })),
         }
     };

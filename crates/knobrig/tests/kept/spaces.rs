@@ -106,6 +106,7 @@ fn what_is_implausible_of_any_values() {
                 rate_hz: one_of(&mut chance, &[200.0, 1000.0, 5000.0]),
                 noise_floor: about(&mut chance, 1e-3),
                 period: one_of(&mut chance, &[None, Some(0.05), Some(0.11)]),
+                period_error: 1e-5,
                 revolution: one_of(&mut chance, &[None, Some(1.0)]),
                 friction: [3e-3, if round % 5 == 0 { -1e-3 } else { 2e-3 }],
                 clipped: round % 2 == 0,
@@ -134,6 +135,7 @@ fn surveyed(chance: &mut Chance, carrier: &Carrier<'_>, round: usize) -> Survey 
         duration_s: about(chance, 2.0),
         rate_hz: about(chance, 1000.0),
         inertia: about(chance, 1e-4),
+        friction: carrier.survey.friction,
         revolution: (!round.is_multiple_of(3)).then_some(1.0),
         waves: (!round.is_multiple_of(2)).then(|| (0..round).map(|_| wave(chance)).collect()),
     }

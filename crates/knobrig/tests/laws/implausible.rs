@@ -13,6 +13,7 @@ fn context() -> Context {
         rate_hz: RATE_HZ,
         noise_floor: 1e-3,
         period: Some(0.1),
+        period_error: 0.0,
         revolution: Some(1.0),
         friction: [0.0; 2],
         clipped: false,

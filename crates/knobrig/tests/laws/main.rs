@@ -105,6 +105,7 @@ fn survey(signals: &Signals) -> Survey {
         duration_s: signals.len() as f64 / RATE_HZ,
         rate_hz: RATE_HZ,
         inertia: knob().values()[0],
+        friction: [knob().values()[1], knob().values()[2]],
         revolution: Some(1.0),
         waves: None,
     }

@@ -288,6 +288,19 @@ fn small_detents_beyond_chance_are_found_and_those_beside_a_larger_error_are_not
 }
 
 #[test]
+fn of_a_smooth_torque_and_detents_within_it_the_detents_are_found() {
+    let bare = Model::equation_1(Axis::Rotary, false);
+    let period = |smooth: f64, detents: f64| {
+        let torque = |theta: f64, _| smooth * (theta / 0.45).sin() + detents * (theta / 0.05 + 0.4).sin();
+        let fit = fit(&[&turned(0.9, SD, torque)], &bare, Detents::Find).unwrap();
+        fit.model.values()[fit.model.period().unwrap()]
+    };
+    assert!((period(0.02, 5e-3) / 0.05 - 1.0).abs() < 0.02);
+    // Where there is nothing else the half of a detent that was seen is one.
+    assert!((period(0.02, 0.0) / 0.45 - 1.0).abs() < 0.05);
+}
+
+#[test]
 fn detents_that_take_nothing_off_are_not_there() {
     let data = turned(0.9, SD, |theta, _| 5e-3 * (theta / 0.11 + 0.4).sin());
     let bare = Model::equation_1(Axis::Rotary, false);
