@@ -20,8 +20,9 @@ const WAVES: f64 = 1.6;
 const LARGEST: f64 = 2.0;
 /// A period this many times that of the detents belongs to them,
 const LOCKED: [f64; 5] = [1.0, 2.0, 3.0, 4.0, 0.5];
-/// up to this share.
+/// up to this share, where this share of its squares at least is in waves that return with each detent.
 const CLOSE: f64 = 0.01;
+const RETURNS: f64 = 0.5;
 
 const fn wave(name: &'static str, meaning: &'static str) -> Param {
     Param::shape(name, Unit::NUMBER, [-10.0, 10.0], 0.0, meaning)
@@ -104,7 +105,12 @@ impl Effect<9> for PositionFriction {
             return vec![format!("it varies by {size:.1} times the friction there is")];
         }
         let ratio = context.period.map_or(f64::NAN, |detents| period / detents);
-        if LOCKED.iter().any(|times| (ratio / times - 1.0).abs() < CLOSE) {
+        let returns = |times: f64| -> f64 {
+            let with_each = |&(n, _): &(i32, &f64)| (f64::from(n) / times).fract() == 0.0;
+            (1..).zip(&sizes).filter(with_each).map(|(_, size)| size * size).sum()
+        };
+        let locked = |times: f64| (ratio / times - 1.0).abs() < CLOSE && returns(times) >= RETURNS * squares;
+        if LOCKED.into_iter().any(locked) {
             let others = "{load_friction} or {directional_detent} would, by nature";
             return vec![format!("it repeats with the detents: {others}")];
         }

@@ -52,6 +52,10 @@ fn friction_along_the_way_goes_through_a_period_of_its_own() {
     assert_eq!(varies(1.0, 0.5), "only 0.3 of its periods were crossed: it is a trend");
     assert_eq!(varies(0.17, 2.5), "it varies by 2.5 times the friction there is");
     assert!(varies(0.1, 0.5).starts_with("it repeats with the detents"));
+    // Of a period of two detents a wave returns with every other detent, two with each.
+    assert_eq!(varies(0.2, 0.5), "");
+    let twice = [0.2, 0.2, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0];
+    assert!(said(Id::PositionFriction, &twice, &context()).starts_with("it repeats with the detents"));
 }
 
 #[test]
