@@ -333,3 +333,13 @@ def test_an_offset_over_a_motion_that_ends_elsewhere_gives_no_power_back() -> No
 
     assert fitted_with(-0.05, 0.01) is None
     assert fitted_with(0.05, -0.01) == "friction gives power back, which no knob does"
+
+
+def test_what_is_the_same_both_ways_is_that_of_the_rows_that_are_known() -> None:
+    omega = np.array([1.0, 2.0, -1.0, -2.0])
+    nan = np.nan
+    both = plausible._without_constant(np.array([3.0, nan, -1.0, -1.0]), omega)
+    np.testing.assert_allclose(both, [2.0, nan, -2.0, -2.0])
+    # Of the way forward nothing is known: what is left has no constant that could be told.
+    backward = plausible._without_constant(np.array([nan, nan, -1.0, -1.0]), omega)
+    np.testing.assert_allclose(backward, [nan, nan, -1.0, -1.0])

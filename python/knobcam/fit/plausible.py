@@ -148,7 +148,9 @@ def _friction_power(fit: Fit) -> tuple[float, float]:
 
 def _without_constant(torque: FloatArray, omega: FloatArray) -> FloatArray:
     """Return a torque less what is the same forward and backward in it, where it goes both ways."""
-    means = [float(np.nanmean(torque[way])) for way in (omega > 0.0, omega < 0.0) if way.any()]
+    known = np.isfinite(torque)  # not where a gap's edge is all that went this way
+    ways = (known & (omega > 0.0), known & (omega < 0.0))
+    means = [float(np.mean(torque[way])) for way in ways if way.any()]
     return torque - np.mean(means) if len(means) > 1 else torque
 
 
