@@ -23,6 +23,8 @@ const UNMISTAKABLE: f64 = 3.0 * PI;
 const CLEARLY: f64 = 10.0;
 /// Sums of squares that differ by less than this many times the noise's variance tie.
 const TIE: f64 = 4.0;
+/// What detents and a smooth torque may leave of the sum of squares, times what noise does.
+const LEFT: f64 = 1.5;
 /// Peaks of the scan that are followed to their optimum, if they reach this share of the best.
 const CANDIDATES: usize = 3;
 const RIVAL: f64 = 0.8;
@@ -134,11 +136,13 @@ impl Judge<'_> {
         Ok(detents && (phase > UNMISTAKABLE || self.beat_smooth(with)?))
     }
 
-    /// Narrower detents than those that were found, where less than one of these was seen: that is what a smooth torque
-    /// looks like, and beside one others may stand out. None where none do.
-    pub fn narrower(&self, full: &Model, with: &Found) -> Result<Option<Found>> {
+    /// Detents that stand out beside a smooth torque, which hides them, or looks like less than one whole detent itself:
+    /// where none were found, or no more than that. None where none do, and where both leave more than noise: many
+    /// things that are missing have a wave in them.
+    pub fn beside_smooth(&self, full: &Model, with: Option<&Found>) -> Result<Option<Found>> {
         let seen = |of: &Model, found: &Found| Ok(range(self.data) / found.p[of.index("detent.P")?]);
-        if seen(full, with)? >= TAU || self.bare.has(Id::PositionPolynomial) {
+        let whole = with.map_or(Ok(false), |with| Ok(seen(full, with)? >= TAU))?;
+        if whole || self.bare.has(Id::PositionPolynomial) {
             return Ok(None);
         }
         let smooth = self.bare.with(Id::PositionPolynomial)?;
@@ -150,7 +154,8 @@ impl Judge<'_> {
         let both = bare.with(Id::Detent)?;
         let start = beginning(&both, &bare, &without)?;
         let found = best_from_scan(self.data, &both, &Layout::of(&both), &start, &scan)?;
-        let Some(found) = found.filter(|found| found.cost < with.cost) else { return Ok(None) };
+        let most = LEFT * beside.floor().squares;
+        let Some(found) = found.filter(|found| found.cost < most) else { return Ok(None) };
         if seen(&both, &found)? <= UNMISTAKABLE || !beside.are_there(&both, &found)? {
             return Ok(None);
         }

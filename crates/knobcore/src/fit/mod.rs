@@ -194,11 +194,13 @@ fn scanned(data: &[&Signals], model: &Model, detents: Detents, loudest: &[f64]) 
         let floor = OnceCell::new();
         let judge = Judge { data, bare: &bare, without: &without, scan: &scan, loudest, floor };
         let found = if judge.promising() { best()? } else { None };
-        match found {
-            Some(with) if judge.are_there(&full, &with)? => {
-                Some(judge.narrower(&full, &with)?.unwrap_or(with))
-            }
-            _ => return Ok(Some(Start { model: bare, found: Some(without), scan: Some(scan) })),
+        let there = match found {
+            Some(with) if judge.are_there(&full, &with)? => Some(with),
+            _ => None,
+        };
+        match judge.beside_smooth(&full, there.as_ref())?.or(there) {
+            None => return Ok(Some(Start { model: bare, found: Some(without), scan: Some(scan) })),
+            with => with,
         }
     };
     let evaluations = without.evaluations;

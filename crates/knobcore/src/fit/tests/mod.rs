@@ -290,14 +290,16 @@ fn small_detents_beyond_chance_are_found_and_those_beside_a_larger_error_are_not
 #[test]
 fn of_a_smooth_torque_and_detents_within_it_the_detents_are_found() {
     let bare = Model::equation_1(Axis::Rotary, false);
-    let period = |smooth: f64, detents: f64| {
-        let torque = |theta: f64, _| smooth * (theta / 0.45).sin() + detents * (theta / 0.05 + 0.4).sin();
-        let fit = fit(&[&turned(0.9, SD, torque)], &bare, Detents::Find).unwrap();
-        fit.model.values()[fit.model.period().unwrap()]
+    let off = |torque: &dyn Fn(f64) -> f64, period: f64| {
+        let data = turned(0.9, SD, |theta, _| torque(theta));
+        let fit = fit(&[&data], &bare, Detents::Find).unwrap();
+        (fit.model.values()[fit.model.period().unwrap()] / period - 1.0).abs()
     };
-    assert!((period(0.02, 5e-3) / 0.05 - 1.0).abs() < 0.02);
+    let detents = |theta: f64| (theta / 0.05 + 0.4).sin();
+    assert!(off(&|theta| 0.02 * (theta / 0.45).sin() + 5e-3 * detents(theta), 0.05) < 0.02);
+    assert!(off(&|theta| 0.02 * theta + 1e-3 * detents(theta), 0.05) < 0.02);
     // Where there is nothing else the half of a detent that was seen is one.
-    assert!((period(0.02, 0.0) / 0.45 - 1.0).abs() < 0.05);
+    assert!(off(&|theta| 0.02 * (theta / 0.45).sin(), 0.45) < 0.05);
 }
 
 #[test]
