@@ -120,9 +120,8 @@ def test_the_model_becomes_that_of_who_was_right_and_can_be_taken_back(
 def test_who_is_best_while_something_else_is_missing_too_is_not_taken_for_right(
     client: httpx.Client, bench: Bench
 ) -> None:
-    # Behind the spring the first model shows no detents, which only come in after it.
-    post(client, "simulate", knob="knob3", effects=["return_spring"], motion="sweep", duration_s=3.0)
-    assert "detent" not in bench.session.node.fit.model.effects
+    hidden = ["return_spring", "quadratic_drag"]
+    post(client, "simulate", knob="knob3", effects=hidden, motion="sweep", duration_s=3.0)
     post(client, "design", effects=RIVALS)
     post(client, "try", experiment=shown(client)["experiment"]["id"])
     state = shown(client)
