@@ -69,7 +69,8 @@ impl Effect<7> for Presliding {
     fn starts(survey: &Survey) -> Vec<[f64; 7]> {
         let longest = 0.3 * survey.range();
         let lengths = [1.0, 0.4, 0.16, 0.064, 0.025, 0.01].map(|share| share * longest.min(1.0));
-        let start = |[w1, w2, w3, w4, w5, w6]: [f64; 6]| lengths.map(|s| [s.max(1e-7), w1, w2, w3, w4, w5, w6]);
+        let start =
+            |[w1, w2, w3, w4, w5, w6]: [f64; 6]| lengths.map(|s| [s.max(1e-7), w1, w2, w3, w4, w5, w6]);
         let mut starts = start([0.0; 6]).to_vec();
         // Friction that builds up over most of the way looks like a spring and like none, and of none no share builds up.
         let [least, most] = [f64::min, f64::max].map(|of| of(survey.friction[0], survey.friction[1]));

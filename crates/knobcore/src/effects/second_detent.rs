@@ -81,7 +81,9 @@ impl Effect<3> for SecondDetent {
                 return vec![format!("it comes {order} times per turn: {{cogging}} would, by nature")];
             }
         }
-        let (Some(theirs), Some(detents)) = (context.period.map(waves), context.detents()) else { return Vec::new() };
+        let (Some(theirs), Some(detents)) = (context.period.map(waves), context.detents()) else {
+            return Vec::new();
+        };
         if (own - theirs).abs() < RESOLVED {
             return vec!["it is too near the detents to be told from them".into()];
         }
