@@ -292,13 +292,12 @@ fn of_a_smooth_torque_and_detents_within_it_the_detents_are_found() {
     let bare = Model::equation_1(Axis::Rotary, false);
     let off = |torque: &dyn Fn(f64) -> f64, period: f64| {
         let data = turned(0.9, SD, |theta, _| torque(theta));
-        let fit = fit(&[&data], &bare, Detents::Find).unwrap();
-        (fit.model.values()[fit.model.period().unwrap()] / period - 1.0).abs()
+        let model = fit(&[&data], &bare, Detents::Find).unwrap().model;
+        (model.values()[model.period().unwrap()] / period - 1.0).abs()
     };
     let detents = |theta: f64| (theta / 0.05 + 0.4).sin();
     assert!(off(&|theta| 0.02 * (theta / 0.45).sin() + 5e-3 * detents(theta), 0.05) < 0.02);
     assert!(off(&|theta| 0.02 * theta + 1e-3 * detents(theta), 0.05) < 0.02);
-    // Where there is nothing else the half of a detent that was seen is one.
     assert!(off(&|theta| 0.02 * (theta / 0.45).sin(), 0.45) < 0.05);
 }
 
