@@ -58,7 +58,8 @@ def off_by_law(fit: Fit) -> float:
 
 def _remembers(fit: Fit) -> bool:
     """Whether a joint is among the effects, or friction that builds up: what follows a reversal."""
-    rows = [fit.model.catalogue()[one] for one in fit.model.effects]
+    catalogue = fit.model.catalogue()
+    rows = (catalogue[one] for one in fit.model.effects)
     return any(row.place == "coupling" or row.over == "reversal" for row in rows)
 
 

@@ -8,15 +8,13 @@ use super::implausible::friction;
 use super::thinned::Thinned;
 use super::watch::Watch;
 use crate::algebra::{dot, orthonormal, orthonormal_beside};
-use crate::effects::{Id, Place, Survey, Wave};
+use crate::effects::{Id, Place, Survey, Wave, apart};
 use crate::fit::{behind, beside_orders, glance, loads, runs, waves};
 use crate::model::{Model, Role, Slot};
 use crate::order::Ascending;
 use crate::param::{Axis, Kind, Usual};
 use crate::signals::Signals;
 
-/// What resists one way is at least so much of what does the other way.
-const APART: f64 = 0.6;
 /// Steps of the quantiles of a survey.
 const QUANTILES: usize = 400;
 
@@ -319,7 +317,7 @@ fn level(model: &Model, p: &mut [f64]) {
         }
         let (neg, pos) = (p[at - 1], p[at]);
         let mean = 0.5 * (neg + pos);
-        if neg.min(pos) < APART * neg.max(pos) && mean > 0.0 {
+        if apart(neg, pos) && mean > 0.0 {
             p[at - 1] = mean;
             p[at] = mean;
         }

@@ -112,9 +112,10 @@ impl Effect<COUNT> for Cogging {
     fn implausible(p: &[f64; COUNT], context: &Context) -> Vec<String> {
         let Some([detents, error]) = context.detents() else { return Vec::new() };
         let orders: Vec<f64> = p[1..].chunks(3).map(|term| term[0]).filter(|order| *order > 0.0).collect();
+        let alike = context.alike();
         let theirs = |order: f64| {
             let n = (order / p[0] / detents).round();
-            (1.0..=HARMONICS).contains(&n) && context.alike([order / p[0], 0.0], [n * detents, n * error])
+            (1.0..=HARMONICS).contains(&n) && alike([order / p[0], 0.0], [n * detents, n * error])
         };
         if !orders.is_empty() && orders.into_iter().all(theirs) {
             return vec!["it repeats with the detents: {detent_harmonics} would, by nature".into()];

@@ -41,9 +41,12 @@ impl Context {
         self.period.map(|period| rate(period, self.period_error))
     }
 
-    /// Whether two series of so many waves in 2 pi rad, with standard errors, are one as far as the motion tells.
-    pub fn alike(&self, [one, error]: [f64; 2], [other, its]: [f64; 2]) -> bool {
-        ((one - other).abs() - SURE * error.hypot(its)) * self.travel() < BOUND * TAU
+    /// What says whether two series of so many waves in 2 pi rad, with standard errors, are one as far as the motion tells.
+    pub fn alike(&self) -> impl Fn([f64; 2], [f64; 2]) -> bool {
+        let travel = self.travel();
+        move |[one, error], [other, its]| {
+            ((one - other).abs() - SURE * error.hypot(its)) * travel < BOUND * TAU
+        }
     }
 
     /// Range of positions that the samples go through, rad.
@@ -107,12 +110,12 @@ mod tests {
         let long = Context { theta: vec![0.0, 5.0 * TAU], ..short.clone() };
         let [detents, _] = short.detents().unwrap();
         assert_eq!(detents, 10.0);
-        assert!(short.alike([20.01, 0.0], [2.0 * detents, 0.0]));
-        assert!(!long.alike([20.01, 0.0], [2.0 * detents, 0.0]));
-        assert!(long.alike([20.01, 3e-3], [2.0 * detents, 0.0]));
+        assert!(short.alike()([20.01, 0.0], [2.0 * detents, 0.0]));
+        assert!(!long.alike()([20.01, 0.0], [2.0 * detents, 0.0]));
+        assert!(long.alike()([20.01, 3e-3], [2.0 * detents, 0.0]));
         // A hundredth of a period more is a hundredth of the waves less.
         let unsure = Context { period_error: 1e-3, ..long };
         assert!((unsure.detents().unwrap()[1] - 0.1).abs() < 1e-12);
-        assert!(unsure.alike([10.2, 0.0], unsure.detents().unwrap()));
+        assert!(unsure.alike()([10.2, 0.0], unsure.detents().unwrap()));
     }
 }

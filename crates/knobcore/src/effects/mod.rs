@@ -61,7 +61,7 @@ pub use carrier::Carrier;
 pub use context::Context;
 pub(crate) use context::{rate, short};
 pub use registry::Info;
-pub use survey::{Survey, Wave};
+pub use survey::{Survey, Wave, apart};
 pub use told::{Base, Over, TakenUp, Words};
 pub use user::{Does, Function, User, version};
 

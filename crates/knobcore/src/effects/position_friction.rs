@@ -20,8 +20,9 @@ const WAVES: f64 = 1.6;
 const LARGEST: f64 = 2.0;
 /// A period this many times that of the detents belongs to them,
 const LOCKED: [f64; 5] = [1.0, 2.0, 3.0, 4.0, 0.5];
-/// up to this share, where this share of its squares at least is in waves that return with each detent.
+/// up to this share.
 const CLOSE: f64 = 0.01;
+/// Share of its squares that waves have which return with each detent, at least, if it belongs to them.
 const RETURNS: f64 = 0.5;
 
 const fn wave(name: &'static str, meaning: &'static str) -> Param {

@@ -1,6 +1,6 @@
 //! Presliding: friction builds up over a distance after each reversal.
 
-use super::{Carrier, Context, Effect, Id, MemoryEffect, Over, Survey, Words, short};
+use super::{Carrier, Context, Effect, Id, MemoryEffect, Over, Survey, Words, apart, short};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -16,8 +16,6 @@ pub struct Presliding;
 const FAR: f64 = 0.2;
 /// Samples after a reversal that it takes at least.
 const NEAR: f64 = 2.0;
-/// Of the friction one way so much at most the other way, or none of it is told as such.
-const BENT: f64 = 0.6;
 /// Shares of friction all of which builds up, most of it late.
 const ALL: [f64; 6] = [0.35, 0.25, 0.2, 0.1, 0.05, 0.05];
 
@@ -73,8 +71,8 @@ impl Effect<7> for Presliding {
             |[w1, w2, w3, w4, w5, w6]: [f64; 6]| lengths.map(|s| [s.max(1e-7), w1, w2, w3, w4, w5, w6]);
         let mut starts = start([0.0; 6]).to_vec();
         // Friction that builds up over most of the way looks like a spring and like none, and of none no share builds up.
-        let [least, most] = [f64::min, f64::max].map(|of| of(survey.friction[0], survey.friction[1]));
-        if least < BENT * most {
+        let [neg, pos] = survey.friction;
+        if apart(neg, pos) {
             starts.extend(start(ALL));
         }
         starts

@@ -74,21 +74,20 @@ impl Effect<3> for SecondDetent {
         if own < LEAST_WAVES {
             return vec![format!("only {own:.1} of its waves were crossed: any smooth torque looks so")];
         }
+        let alike = context.alike();
         let rate = rate(*period, context.errors.get(1).copied().flatten().unwrap_or(0.0));
         if let Some(turn) = context.revolution.filter(|turn| waves(*turn) >= TURNS) {
             let order = (turn / period).round();
-            if context.alike(rate, [order / turn, 0.0]) {
+            if alike(rate, [order / turn, 0.0]) {
                 return vec![format!("it comes {order} times per turn: {{cogging}} would, by nature")];
             }
         }
-        let (Some(theirs), Some(detents)) = (context.period.map(waves), context.detents()) else {
-            return Vec::new();
-        };
-        if (own - theirs).abs() < RESOLVED {
+        let Some(detents) = context.detents() else { return Vec::new() };
+        if (own - waves(1.0 / detents[0])).abs() < RESOLVED {
             return vec!["it is too near the detents to be told from them".into()];
         }
         let series = |slower: u8| (1..=HARMONICS).map(move |n| f64::from(n) / f64::from(slower));
-        if (1..=SLOWER).flat_map(series).any(|n| context.alike(rate, detents.map(|of| n * of))) {
+        if (1..=SLOWER).flat_map(series).any(|n| alike(rate, detents.map(|of| n * of))) {
             return vec!["it repeats with the detents: {detent_harmonics} would, by nature".into()];
         }
         Vec::new()

@@ -35,6 +35,14 @@ pub struct Survey {
     pub waves: Option<Vec<[f64; 3]>>,
 }
 
+/// What resists one way is at least so much of what does the other way.
+const APART: f64 = 0.6;
+
+/// Whether what resists one way and the other differs by more than of a knob of which nothing is missing.
+pub fn apart(neg: f64, pos: f64) -> bool {
+    neg.min(pos) < APART * neg.max(pos)
+}
+
 impl Survey {
     /// The value that a share `q` (0 to 1) of an ascending column stays below.
     pub fn quantile(column: &[f64], q: f64) -> f64 {

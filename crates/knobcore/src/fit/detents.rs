@@ -126,7 +126,7 @@ impl Judge<'_> {
     /// through and within a turn, and no smooth function of position that only looks like them.
     pub fn are_there(&self, full: &Model, with: &Found) -> Result<bool> {
         let period = with.p[full.index("detent.P")?];
-        let phase = range(self.data) / period;
+        let phase = self.seen(full, with)?;
         let within_a_turn = full.axis == Axis::Linear || period <= WIDEST;
         let finest = self.scan.inverse_period.last().map_or(0.0, |k| 0.9 / k);
         let detents = self.worth_it(self.without.cost - with.cost)
@@ -140,9 +140,8 @@ impl Judge<'_> {
     /// where none were found, or no more than that. None where none do, and where both leave more than noise: many
     /// things that are missing have a wave in them.
     pub fn beside_smooth(&self, full: &Model, with: Option<&Found>) -> Result<Option<Found>> {
-        let seen = |of: &Model, found: &Found| Ok(range(self.data) / found.p[of.index("detent.P")?]);
-        let whole = with.map_or(Ok(false), |with| Ok(seen(full, with)? >= TAU))?;
-        if whole || self.bare.has(Id::PositionPolynomial) {
+        let phase = with.map(|with| self.seen(full, with)).transpose()?;
+        if phase.is_some_and(|phase| phase >= TAU) || self.bare.has(Id::PositionPolynomial) {
             return Ok(None);
         }
         let smooth = self.bare.with(Id::PositionPolynomial)?;
@@ -156,7 +155,7 @@ impl Judge<'_> {
         let found = best_from_scan(self.data, &both, &Layout::of(&both), &start, &scan)?;
         let most = LEFT * beside.floor().squares;
         let Some(found) = found.filter(|found| found.cost < most) else { return Ok(None) };
-        if seen(&both, &found)? <= UNMISTAKABLE || !beside.are_there(&both, &found)? {
+        if self.seen(&both, &found)? <= UNMISTAKABLE || !beside.are_there(&both, &found)? {
             return Ok(None);
         }
         let mut start = beginning(full, self.bare, self.without)?;
@@ -164,6 +163,11 @@ impl Judge<'_> {
             start[full.index(name)?] = found.p[both.index(name)?];
         }
         Ok(Some(descend(self.data, full, &Layout::of(full), &start, Effort::Full)))
+    }
+
+    /// How much of the detents that were found the motion goes through, rad of their phase.
+    fn seen(&self, model: &Model, found: &Found) -> Result<f64> {
+        Ok(range(self.data) / found.p[model.index("detent.P")?])
     }
 
     /// Whether a detent that takes `gain` off the sum of squares stands out of the scan and explains a share
