@@ -300,6 +300,7 @@ def diagnose(
     model: Model,
     effects: Sequence[str],
     progress: Callable[[float], object] | None = None,
+    worth: bool = False,
 ) -> list[tuple[str, Fit | None, float, int, float, str]]: ...
 def in_place(
     data: Sequence[Signals],

@@ -82,7 +82,7 @@ verdict {
     /// What laws that were added may be off by, of what they took off: what is left at the floor and is less than that is no effect more.
     law: 0.025, "share of what was added", "judgement: as far as a textbook's law is that of a real knob";
     /// The same where what follows a reversal is among them, a joint or friction that builds up: it depends on all that came before.
-    law_of_joint: 0.05, "share of what was added", "of one knob with a gap another simulator's torque differs by 0.08 of it, most of that in a few late knocks; of 24 with friction that builds up by up to 0.03";
+    law_of_joint: 0.05, "share of what was added", "of one knob with a gap another simulator's torque differs by 0.08 of it, most of that in a few late knocks; of 21 with friction that builds up by up to 0.03";
     /// What the cause must have taken off where something else stays unexplained, to be named beside that.
     mainly: 0.5, "share of the excess", "judgement: the better part";
     /// What a pair of a coupling and another effect may leave of what the search one by one left.
@@ -153,7 +153,7 @@ search {
     explained: 1.1, "times the noise's squares", "at_floor, squared";
     /// A start of an effect is followed if it promises this share of what the best start does; with detents a third of that.
     rival_start: 0.7, "share of the best promise", "judgement";
-    /// Beside a coupling a start is followed only if it promises this share of the sum of squares.
+    /// Beside a coupling, and where chance explains the error, a start is followed only if it promises this share of the sum of squares.
     worth_following: 0.005, "share of the sum of squares", "a third of worth: a first step tells a part of the gain";
     /// Before a coupling a start is followed only if it promises this share of what noise does not explain.
     worth_at_shaft: 0.1, "share of the excess", "two thirds of share: of what loads the shaft the first step tells nearly all";

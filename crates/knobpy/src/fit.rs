@@ -9,7 +9,7 @@ use knobcore::diagnose::{
     Candidate, Evidence, Set, Split, State, at_floor as at_floor_core, complete as complete_core, converge,
     diagnose as diagnose_core, exact as exact_core, implausible as implausible_core,
     in_place as in_place_core, judge as judge_core, locate as locate_core, pairs as pairs_core,
-    sets as sets_core,
+    sets as sets_core, worth_adding,
 };
 use knobcore::fit::{Detents, Fit, fit as fit_core, report, sketch};
 use knobcore::floor::{Unheard, unheard as unheard_core};
@@ -332,22 +332,23 @@ pub fn implausible(
 /// A candidate as it goes out: effect, fit, gain, parameters, p-value, note.
 type CandidateRow = (&'static str, Option<PyFit>, f64, usize, f64, String);
 
-/// Fits each of the effects beside a fitted model; best first. `progress` is told the share that is done; what it
-/// raises ends the work.
+/// Fits each of the effects beside a fitted model, or those `worth` adding; best first. `progress` as of all that takes long.
 #[pyfunction]
-#[pyo3(signature = (data, model, effects, progress=None))]
+#[pyo3(signature = (data, model, effects, progress=None, worth=false))]
 pub fn diagnose(
     py: Python<'_>,
     data: Vec<PyRef<'_, PySignals>>,
     model: &PyModel,
     effects: Vec<String>,
     progress: Option<Py<PyAny>>,
+    worth: bool,
 ) -> PyResult<Vec<CandidateRow>> {
     let ids = ids(&effects)?;
     let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
     let (model, signals) = (&model.0, &signals[..]);
     let progress = Progress::of(progress);
-    let found = watched(py, model, || diagnose_core(signals, model, &ids, &|share| progress.tell(share)))?;
+    let weigh = if worth { worth_adding } else { diagnose_core };
+    let found = watched(py, model, || weigh(signals, model, &ids, &|share| progress.tell(share)))?;
     let found = progress.ended(found)?;
     let row = |c: Candidate| (c.id.info().id, c.fit.map(PyFit), c.gain, c.parameters, c.p_value, c.note);
     Ok(found.into_iter().map(row).collect())

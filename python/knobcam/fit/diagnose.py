@@ -167,12 +167,14 @@ class Candidate:
 class Diagnosis(showing.Tabled):
     """The effects that could be missing from a fit, those for which most speaks first.
 
-    `left_out` are effects that could not be weighed, and why.
+    `left_out` are effects that could not be weighed, and why; not `whole` are those among them that explain
+    too little to be named.
     """
 
     fit: Fit
     candidates: tuple[Candidate, ...]
     left_out: Mapping[str, str] = field(default_factory=dict)
+    whole: bool = True
 
     def __getitem__(self, effect: str) -> Candidate:
         """The candidate of an effect."""
@@ -319,9 +321,23 @@ def diagnose(
         out |= set(descriptions(coordinate))
     else:
         out |= set(effects(coordinate)) - set(check_effects("only", only, coordinate))
-    fit = with_clipped(fit) if clipping(coordinate) - out else fit
-    candidates, left_out = _candidates(fit, out, progress)
-    return Diagnosis(fit, judged(fit.compare(), candidates), left_out)
+    return _weighed(fit, out, progress)
+
+
+def worth_adding(
+    fit: Fit, without: Collection[str], progress: Callable[[float], object] | None = None
+) -> Diagnosis:
+    """Return the same for who looks for what to add.
+
+    Where chance explains the error of a capture, and no effect could be named, those are left out that
+    explain too little for it. Of several captures an effect may show in one alone.
+    """
+    out = {*without, *descriptions(fit.model.coordinate)}
+    if len(fit.prepared) == 1 and fit.compare().complete:
+        few = _weighed(fit, out, progress, worth=True)
+        if few.best is None:
+            return few
+    return _weighed(fit, out, progress)
 
 
 def check_effects(name: str, ids: Collection[str], coordinate: str) -> tuple[str, ...]:
@@ -366,16 +382,18 @@ def absent(fit: Fit, without: Collection[str]) -> tuple[list[str], dict[str, str
     return could, left_out
 
 
-def _candidates(
-    fit: Fit, without: Collection[str], progress: Callable[[float], object] | None
-) -> tuple[list[Candidate], dict[str, str]]:
-    """Return every absent effect fitted, and why some are not."""
-    could, left_out = absent(fit, without)
-    weighed = _core.diagnose(cores(fit), fit.model.core, could, progress)
+def _weighed(
+    fit: Fit, out: set[str], progress: Callable[[float], object] | None, *, worth: bool = False
+) -> Diagnosis:
+    """Return what is said of every absent effect but those that are `out`."""
+    fit = with_clipped(fit) if clipping(fit.model.coordinate) - out else fit
+    could, left_out = absent(fit, out)
+    weighed = _core.diagnose(cores(fit), fit.model.core, could, progress, worth)
     found = [
         Candidate(one, replace(fit, core=core, before=fit), p_value, gain, count, note=note)
         for one, core, gain, count, p_value, note in weighed
         if core is not None
     ]
     left_out |= {one: note for one, core, *_, note in weighed if core is None}
-    return [replace(one, implausible=implausible(one, fit)) for one in found], left_out
+    found = [replace(one, implausible=implausible(one, fit)) for one in found]
+    return Diagnosis(fit, judged(fit.compare(), found), left_out, not worth)

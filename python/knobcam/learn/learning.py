@@ -52,14 +52,14 @@ _BAR = 24  # characters of the longest
 class LearningResult(showing.Tabled):
     """How a model was completed, step by step, and what the captures still do not tell; immutable.
 
-    `found` are the effects that were missing, in the order in which they came in; `last` is what was weighed
-    on the last step and not added, `without` what was not weighed; `cut` says so of a search that did not
+    `found` are the effects that were missing, in the order in which they came in; `weighed` is what could
+    have been added on the last step, `without` what was not weighed; `cut` says so of a search that did not
     come to its end.
     """
 
     ladder: tuple[LearningStep, ...]
     found: tuple[str, ...]
-    last: Diagnosis
+    weighed: Diagnosis
     unexplained: Unexplained | None
     cut: Cut | None = None
     without: tuple[str, ...] = ()
@@ -112,6 +112,11 @@ class LearningResult(showing.Tabled):
         """Parameters of the last model that the captures ask for differently."""
         return disagreements(self.fit)
 
+    @cached_property
+    def last(self) -> Diagnosis:
+        """What was weighed on the last step and not added, with what the search had no need to fit."""
+        return self.weighed if self.weighed.whole else diagnose(self.weighed.fit, without=self.without)
+
     @property
     def first_diagnosis(self) -> Diagnosis:
         """What was weighed on the first step."""
@@ -120,12 +125,12 @@ class LearningResult(showing.Tabled):
     @property
     def before(self) -> Comparison:
         """Where the first model fails."""
-        return self.first_diagnosis.comparison
+        return (first_weighed(self.ladder) or self.weighed).comparison
 
     @property
     def after(self) -> Comparison:
         """Where the last model fails."""
-        return self.last.comparison
+        return self.weighed.comparison
 
     @property
     def headline(self) -> Said:

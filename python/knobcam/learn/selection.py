@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from ..base.said import said
 from ..capture.prepare import travel
-from ..fit.diagnose import Candidate, Diagnosis, absent, diagnose
+from ..fit.diagnose import Candidate, Diagnosis, absent, diagnose, worth_adding
 from ..fit.plausible import columns_at_fault
 from ..fit.refit import converged, drop, gain, needed, needless, with_clipped
 from ..fit.rule import RULE
@@ -99,7 +99,7 @@ def _grown(
         tell(f"weighing what could be missing from {', '.join(fit.model.effects)}")
         deadline.weighing = absent(fit, {*without, *described})[0]
         deadline()
-        diagnosis = diagnose(fit, without={*without, *described}, progress=deadline)
+        diagnosis = worth_adding(fit, without, deadline)
         diagnosis = overlooked(diagnosis, {*without, *described}, deadline)
         best = diagnosis.best
         if (freer := loosened(diagnosis, best.score if best else 0.0)) is not None:

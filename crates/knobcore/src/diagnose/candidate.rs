@@ -19,3 +19,12 @@ pub struct Candidate {
     /// Why it could not be fitted.
     pub note: String,
 }
+
+impl Candidate {
+    /// The same where what it explains is too little for it to be named.
+    pub(super) fn unnamed(self) -> Self {
+        let note =
+            if self.fit.is_some() { "explains too little of it to be named".into() } else { self.note };
+        Self { fit: None, gain: 0.0, note, ..self }
+    }
+}

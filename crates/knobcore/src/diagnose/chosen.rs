@@ -37,21 +37,21 @@ struct Band {
 }
 
 /// So many gains of an effect by chance; none where there is no motion to scan over.
-pub fn gains(screen: &Screen<'_>, chance: &Chance<'_>, white: f64, id: Id, draws: usize) -> Vec<f64> {
+pub fn gains(screen: &Screen<'_>, chance: &Chance, white: f64, id: Id, draws: usize) -> Vec<f64> {
     let bands = bands(screen, chance, white, id);
     let mut noise = Noise::new(0x7761_7665);
     let many = if bands.is_empty() { 0 } else { draws };
     (0..many).map(|_| drawn(&bands, &mut noise)).collect()
 }
 
-fn bands(screen: &Screen<'_>, chance: &Chance<'_>, white: f64, id: Id) -> Vec<Band> {
+fn bands(screen: &Screen<'_>, chance: &Chance, white: f64, id: Id) -> Vec<Band> {
     let Some(([first, last], between)) = band(screen.data) else { return Vec::new() };
     let factor = (last / first).powf((BANDS as f64).recip());
     let amplitude = white.sqrt();
     let at = |band: usize| {
         let low = first * factor.powi(band as i32);
         let model = screen.at_wave(id, [amplitude, (low * factor.sqrt()).recip(), 0.0])?;
-        let columns = chance.signature(id, &model);
+        let columns = screen.by_chance(chance, id, &model);
         let noise =
             columns.iter().map(|column| dot(column, column)).sum::<f64>() / (white * columns.len() as f64);
         let many = between * (factor - 1.0) * low / (last - first);
@@ -172,7 +172,7 @@ mod tests {
         let white = noise::Noise::white(SD * SD);
         for noise in [slow, white] {
             let noises = [noise];
-            let chance = Chance::of(&screen, &noises);
+            let chance = Chance::of(&data, &noises, &screen.thinned);
             let found = bands(&screen, &chance, SD * SD, Id::Detent);
             assert_eq!(found.len(), BANDS);
             let many: f64 = found.iter().map(|band| band.many).sum();

@@ -224,7 +224,7 @@ fn others(ends: &mut Vec<(usize, (Model, Found))>, within: f64) {
 
 /// The sum of squares that a model leaves, (N m)^2.
 pub(super) fn squares(data: &[&Signals], model: &Model) -> f64 {
-    Thinned::of(data, usize::MAX).columns(data, model, &[]).2
+    Thinned::of(data).columns(data, model, &[]).2
 }
 
 /// What an end is sorted by.

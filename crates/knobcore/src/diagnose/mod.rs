@@ -28,7 +28,7 @@ mod watch;
 
 pub use bins::since_reversal;
 pub use candidate::Candidate;
-pub use candidates::diagnose;
+pub use candidates::{diagnose, worth_adding};
 pub use coupled::{converge, in_place};
 pub use hints::{Hint, hints};
 pub use implausible::implausible;

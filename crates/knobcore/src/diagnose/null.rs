@@ -5,7 +5,6 @@
 //! sample by sample: the products of the signatures with filtered noise are normal, with the covariance of the
 //! filtered signatures.
 
-use super::chance::Chance;
 use super::chosen;
 use super::screen::{Screen, Start, evenly};
 use crate::effects::{Id, Place};
@@ -33,14 +32,13 @@ pub struct Null {
 
 impl Null {
     /// Of these effects and starts (some of them, if no longer wanted) and the noise of each capture; gains are in
-    /// variances of white noise that would leave as much, `white`.
+    /// variances of white noise that would leave as much, `white`. The screen tells of `chance`.
     pub fn of<'b>(
         screen: &Screen<'_>,
         noises: &[Noise],
         white: f64,
         effects: impl Iterator<Item = (Id, &'b [Start])>,
     ) -> Self {
-        let chance = Chance::of(screen, noises);
         // Start by start the signatures that it spans. The hidden motion of a coupling has none at its neutral values.
         let (scanned, effects): (Vec<_>, Vec<_>) = effects
             .filter(|(id, starts)| id.info().place != Place::Coupling && !starts.is_empty())
@@ -49,16 +47,15 @@ impl Null {
             .into_iter()
             .flat_map(|(id, starts)| evenly(starts, MOST).map(move |start| (id, start)))
             .collect();
-        let signed = screen.watch.each(&starts, |(id, start)| (*id, chance.signature(*id, &start.model)));
         let mut groups: Vec<(Id, std::ops::Range<usize>)> = Vec::new();
-        let mut columns: Vec<Vec<f64>> = Vec::new();
+        let mut columns: Vec<&[f64]> = Vec::new();
         let mut of: BTreeMap<Id, usize> = BTreeMap::new();
-        for (id, own) in signed {
+        for (id, Start { by_chance: own, .. }) in starts {
             let before = of.entry(id).or_default();
             if *before < MOST {
                 *before += own.len();
                 groups.push((id, columns.len()..columns.len() + own.len()));
-                columns.extend(own);
+                columns.extend(own.iter().map(Vec::as_slice));
             }
         }
         let factor = covariance_root(&columns, white);
@@ -75,9 +72,12 @@ impl Null {
             }
             best.into_iter().for_each(|(id, gain)| gains.entry(id).or_default().push(gain));
         }
-        let waves =
-            screen.watch.each(&scanned, |(id, _)| (*id, chosen::gains(screen, &chance, white, *id, DRAWS)));
-        gains.extend(waves.into_iter().filter(|(_, gains)| !gains.is_empty()));
+        if let Some(chance) = &screen.chance {
+            let waves = screen
+                .watch
+                .each(&scanned, |(id, _)| (*id, chosen::gains(screen, chance, white, *id, DRAWS)));
+            gains.extend(waves.into_iter().filter(|(_, gains)| !gains.is_empty()));
+        }
         let off = off(doubt(screen.data, noises));
         gains.values_mut().for_each(|gains| gains.iter_mut().zip(&off).for_each(|(gain, off)| *gain *= off));
         let scale: BTreeMap<Id, (f64, f64)> = gains.iter().map(|(id, g)| (*id, spread(g))).collect();
@@ -122,11 +122,10 @@ fn spread(values: &[f64]) -> (f64, f64) {
 }
 
 /// A root of the covariance of the products of signatures with noise, given what they become.
-fn covariance_root(columns: &[Vec<f64>], white: f64) -> DMatrix<f64> {
+fn covariance_root(columns: &[&[f64]], white: f64) -> DMatrix<f64> {
     let k = columns.len();
-    let views: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
     let mut gram = DMatrix::zeros(k, k);
-    add_products(&views, gram.as_mut_slice());
+    add_products(columns, gram.as_mut_slice());
     // Signatures of neighbouring starts are nearly the same.
     gram /= white;
     let ridge = 1e-9 * gram.diagonal().amax();
@@ -136,6 +135,7 @@ fn covariance_root(columns: &[Vec<f64>], white: f64) -> DMatrix<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::chance::Chance;
     use super::super::tests::recorded::{SD, knob, recorded};
     use super::super::watch::Watch;
     use super::*;
@@ -156,7 +156,7 @@ mod tests {
         let data = recorded(&model, "a");
         let data = [&data];
         let watch = Watch::new(&|_| true, 1);
-        let screen = Screen::new(&data, &model, &watch);
+        let mut screen = Screen::new(&data, &model, &watch);
         let (one, three) = ([1.642, 3.841, 6.635], [4.642, 7.815, 11.345]);
         // Two that are nearly independent have twice the chance that either gains so much.
         let cases = [
@@ -165,10 +165,12 @@ mod tests {
             (&[Id::QuadraticDrag, Id::ReturnSpring], one, 2.0),
         ];
         for (effects, gains, times) in cases {
-            let starts: Vec<Vec<Start>> = effects.iter().map(|id| screen.starts(*id)).collect();
             for louder in [1.0, 4.0] {
+                let noises = [Noise::white(louder * SD * SD)];
+                screen.chance = Some(Chance::of(&data, &noises, &screen.thinned));
+                let starts: Vec<Vec<Start>> = effects.iter().map(|id| screen.starts(*id)).collect();
                 let of = effects.iter().zip(&starts).map(|(id, starts)| (*id, &starts[..]));
-                let null = Null::of(&screen, &[Noise::white(louder * SD * SD)], SD * SD, of);
+                let null = Null::of(&screen, &noises, SD * SD, of);
                 for (gain, chance) in gains.into_iter().zip([0.2, 0.05, 0.01]) {
                     let chance = 1.0 - (1.0_f64 - chance).powf(times);
                     let said = null.p_value(effects[0], louder * gain);

@@ -1,5 +1,7 @@
 //! What a step from each start of an effect promises to leave.
 
+use super::chance::Chance;
+use super::chosen::scanned;
 use super::screen::{Screen, Start};
 use crate::algebra::{dot, orthonormal_beside, project, subtract};
 use crate::effects::{Id, Place};
@@ -10,14 +12,14 @@ use crate::scalar::WIDE;
 impl Screen<'_> {
     /// Models with an effect as starts, most promising first.
     pub fn by_promise(&self, id: Id, models: Vec<Model>) -> Vec<Start> {
-        let predicted: Vec<f64> = if id.info().place == Place::Coupling && !self.coupled {
-            self.joined(&models)
+        let mut starts: Vec<Start> = if id.info().place == Place::Coupling && !self.coupled {
+            let start = |(model, predicted)| Start { model, predicted, by_chance: Vec::new() };
+            let predicted = self.joined(&models);
+            models.into_iter().zip(predicted).map(start).collect()
         } else {
-            let wanted = models.iter().take_while(|_| self.watch.wanted());
-            wanted.map(|model| self.predicted(id, model)).collect()
+            let wanted = models.into_iter().take_while(|_| self.watch.wanted());
+            wanted.map(|model| self.start(id, model)).collect()
         };
-        let start = |(model, predicted)| Start { model, predicted };
-        let mut starts: Vec<Start> = models.into_iter().zip(predicted).map(start).collect();
         starts.retain(|start| start.predicted.is_finite());
         starts.sort_by_cached_key(|start| Ascending(start.predicted));
         starts
@@ -35,26 +37,47 @@ impl Screen<'_> {
         for few in side_by_side.take_while(|_| self.watch.wanted()) {
             let sets: Vec<Vec<f64>> = few.iter().map(Model::values).collect();
             for (residual, _) in self.thinned.residuals(self.data, &few[0], &sets) {
-                predicted.push(self.promised(residual, &[]));
+                predicted.push(self.promised(residual, &[]).0);
             }
         }
         predicted
     }
 
-    fn predicted(&self, id: Id, model: &Model) -> f64 {
-        let (shown, own) = self.shown(model, self.brought(id, model));
-        let (columns, residual, _) = self.thinned.columns(&self.seen_by(id, model), &shown, &own);
-        self.promised(if self.coupled { self.residual.clone() } else { residual }, &columns)
+    fn start(&self, id: Id, model: Model) -> Start {
+        let (columns, residual) = self.signature(id, &model);
+        let residual = if self.coupled { self.residual.clone() } else { residual };
+        let (predicted, beside) = self.promised(residual, &columns);
+        // A wave that the data choose is told of by its frequency.
+        let chance = self.chance.as_ref().filter(|_| !scanned(id));
+        let by_chance = chance.map_or_else(Vec::new, |chance| met(chance, &beside));
+        Start { model, predicted, by_chance }
     }
 
-    /// What these columns and those of the base leave of the sum of squares, where this is the residual.
-    fn promised(&self, mut residual: Vec<f64>, columns: &[Vec<f64>]) -> f64 {
+    /// The columns that an effect brings in, and the residual.
+    fn signature(&self, id: Id, model: &Model) -> (Vec<Vec<f64>>, Vec<f64>) {
+        let (shown, own) = self.shown(model, self.brought(id, model));
+        let (columns, residual, _) = self.thinned.columns(&self.seen_by(id, model), &shown, &own);
+        (columns, residual)
+    }
+
+    /// What becomes of an effect's signature beside the model's columns where it is multiplied with noise.
+    pub fn by_chance(&self, chance: &Chance, id: Id, model: &Model) -> Vec<Vec<f64>> {
+        let (columns, residual) = self.signature(id, model);
+        met(chance, &orthonormal_beside(&self.base, &columns, residual.len()))
+    }
+
+    /// What these columns and those of the base leave of the sum of squares, where this is the residual, and what they
+    /// span beside the base.
+    fn promised(&self, mut residual: Vec<f64>, columns: &[Vec<f64>]) -> (f64, Vec<Vec<f64>>) {
         let rows = residual.len();
         project(&mut residual, &self.base, rows);
-        for direction in orthonormal_beside(&self.base, columns, rows) {
-            subtract(&mut residual, &direction, rows);
-        }
+        let beside = orthonormal_beside(&self.base, columns, rows);
+        beside.iter().for_each(|direction| subtract(&mut residual, direction, rows));
         // What thinning changes is in both.
-        self.squares - dot(&self.residual, &self.residual) + dot(&residual, &residual)
+        (self.squares - dot(&self.residual, &self.residual) + dot(&residual, &residual), beside)
     }
+}
+
+fn met(chance: &Chance, directions: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    directions.iter().map(|direction| chance.met_by(direction)).collect()
 }

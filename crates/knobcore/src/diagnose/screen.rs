@@ -4,6 +4,7 @@
 //! of the base's, so that what the base parameters can absorb does not count. Of all columns as many samples are kept as
 //! the measurement filter's bandwidth needs.
 
+use super::chance::Chance;
 use super::implausible::friction;
 use super::thinned::Thinned;
 use super::watch::Watch;
@@ -33,12 +34,16 @@ pub struct Screen<'a> {
     pub(super) residual: Vec<f64>,
     /// Sum of squares of the whole residual, (N m)^2.
     pub squares: f64,
+    /// Whether it is explained, and only what takes off enough of it to be named is looked for.
+    pub explained: bool,
     /// Whether the model has a coupling.
     pub coupled: bool,
     /// What loads the shaft, and not the knob, once a joint is between them.
     shaft: Vec<Id>,
     /// The captures with the hidden knob's motion in place of the shaft's; none where they are one.
     behind: Vec<Signals>,
+    /// How noise meets it, where chance is to be told of.
+    pub chance: Option<Chance>,
     /// Who waits for it.
     pub watch: &'a Watch<'a>,
 }
@@ -50,13 +55,15 @@ pub struct Start {
     pub model: Model,
     /// Sum of squares that one Gauss-Newton step from it promises, (N m)^2.
     pub predicted: f64,
+    /// What becomes of its signature where that is multiplied with noise; none where chance is not to be told of.
+    pub by_chance: Vec<Vec<f64>>,
 }
 
 impl<'a> Screen<'a> {
     /// Of a fitted model.
     pub fn new(data: &'a [&'a Signals], model: &'a Model, watch: &'a Watch<'a>) -> Self {
         let free: Vec<usize> = model.free().collect();
-        let thinned = Thinned::of(data, usize::MAX);
+        let thinned = Thinned::of(data);
         let (columns, residual, squares) = thinned.columns(data, model, &free);
         let base = orthonormal(&columns, residual.len());
         let coupled = model.is_coupled();
@@ -68,9 +75,11 @@ impl<'a> Screen<'a> {
             base,
             residual,
             squares,
+            explained: false,
             coupled,
             shaft: Vec::new(),
             behind: behind(data, model),
+            chance: None,
             watch,
         }
     }

@@ -49,7 +49,7 @@ struct Slope {
 /// The model that so many rounds of strides lead to, where they lead downhill; `floor` is what noise leaves of the sum
 /// of squares.
 pub fn strides(data: &[&Signals], model: &Model, floor: f64, rounds: usize, watch: &Watch<'_>) -> Model {
-    let thinned = Thinned::of(data, usize::MAX);
+    let thinned = Thinned::of(data);
     let at = |models: Vec<Model>| points(data, &thinned, models, watch);
     let Some(mut here) = at(vec![model.clone()]).pop() else { return model.clone() };
     let mut widths = first(model);
@@ -229,7 +229,7 @@ mod tests {
     /// The points of models, against these signals.
     fn at(signals: &Signals, models: Vec<Model>) -> Vec<Point> {
         let data = [signals];
-        points(&data, &Thinned::of(&data, usize::MAX), models, &Watch::new(&|_| true, 1))
+        points(&data, &Thinned::of(&data), models, &Watch::new(&|_| true, 1))
     }
 
     #[test]

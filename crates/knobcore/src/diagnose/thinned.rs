@@ -9,9 +9,6 @@ use crate::predict::Seeds;
 use crate::signals::Signals;
 use std::ops::Range;
 
-/// Stretches that stand for a capture of more samples than are to be looked at.
-const STRETCHES: usize = 12;
-
 /// Which samples of captures are kept.
 pub struct Thinned {
     /// For each capture which of its samples, ascending.
@@ -21,15 +18,11 @@ pub struct Thinned {
 }
 
 impl Thinned {
-    /// Of captures, from stretches of about `most` samples together.
-    pub fn of(data: &[&Signals], most: usize) -> Self {
-        let samples: usize =
-            data.iter().flat_map(|signals| &signals.segments).map(ExactSizeIterator::len).sum();
-        let share = (most as f64 / samples.max(1) as f64).min(1.0);
+    /// Of captures.
+    pub fn of(data: &[&Signals]) -> Self {
         let rows = |signals: &&Signals| -> Vec<usize> {
             let every = signals.spacing();
-            let stretches = signals.segments.iter().flat_map(|segment| stretches(segment, share));
-            stretches.flat_map(|stretch| stretch.step_by(every)).collect()
+            signals.segments.iter().flat_map(|segment| segment.clone().step_by(every)).collect()
         };
         let scale = |signals: &&Signals| (signals.spacing() as f64).sqrt();
         Self { rows: data.iter().map(rows).collect(), scale: data.iter().map(scale).collect() }
@@ -38,6 +31,21 @@ impl Thinned {
     /// How many are kept.
     pub fn rows(&self) -> usize {
         self.rows.iter().map(Vec::len).sum()
+    }
+
+    /// The rows of each segment, with its capture.
+    pub fn segments(&self, data: &[&Signals]) -> Vec<(usize, Range<usize>)> {
+        let mut end = 0;
+        let of_capture = |(capture, signals): (usize, &&Signals)| {
+            let rows = |segment| {
+                end += self.kept(capture, segment).count();
+                (capture, end)
+            };
+            signals.segments.iter().map(rows).collect::<Vec<_>>()
+        };
+        let ends: Vec<(usize, usize)> = data.iter().enumerate().flat_map(of_capture).collect();
+        let starts = std::iter::once(0).chain(ends.iter().map(|(_, end)| *end));
+        ends.iter().zip(starts).map(|((capture, end), start)| (*capture, start..*end)).collect()
     }
 
     /// The kept ones of consecutive samples of a capture, the first of which is `from`.
@@ -96,39 +104,5 @@ impl Thinned {
             }
         }
         picked
-    }
-}
-
-/// Derivative columns of a model by these parameters over all samples of all segments.
-pub fn whole(data: &[&Signals], model: &Model, params: &[usize]) -> Vec<Vec<f64>> {
-    let mut columns = vec![Vec::new(); params.len()];
-    evaluate(data, model, &model.values(), &Seeds::of(model, params), |evaluated| {
-        for (column, part) in columns.iter_mut().zip(evaluated.columns) {
-            column.extend_from_slice(part);
-        }
-    });
-    columns
-}
-
-/// Stretches of a segment that are this share of it, evenly.
-fn stretches(segment: &Range<usize>, share: f64) -> impl Iterator<Item = Range<usize>> {
-    let pieces = if share < 1.0 { STRETCHES } else { 1 };
-    let piece = segment.len() as f64 / pieces as f64;
-    let start = segment.start;
-    (0..pieces).map(move |k| {
-        let from = k as f64 * piece;
-        start + from as usize..start + (from + share * piece) as usize
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn stretches_are_spread_over_a_segment() {
-        assert!(stretches(&(5..10), 1.0).eq(std::iter::once(5..10)));
-        let few: Vec<_> = stretches(&(1000..2200), 0.1).collect();
-        assert_eq!((few.len(), few[0].clone(), few[11].clone()), (12, 1000..1010, 2100..2110));
     }
 }

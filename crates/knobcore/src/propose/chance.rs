@@ -48,7 +48,7 @@ impl<'a> Chance<'a> {
 
     fn drawn(&self) -> &[Vec<f64>] {
         self.drawn.get_or_init(|| {
-            let thinned = Thinned::of(self.data, usize::MAX);
+            let thinned = Thinned::of(self.data);
             let mut random = random::Noise::new(0x6c61_7773);
             let mut draw = || self.rows.summed(&drawn(self.data, self.noises, &thinned, &mut random));
             (0..DRAWS).map(|_| draw()).collect()
@@ -81,7 +81,7 @@ impl<'a> Chance<'a> {
             };
             let loudest = self.noises.iter().map(power).fold(self.white, f64::max);
             let waves = if sine.of == Variable::Time { 3.0 } else { self.scanned.0.len() as f64 };
-            let looks = waves * Thinned::of(self.data, usize::MAX).rows() as f64 * 0.5;
+            let looks = waves * Thinned::of(self.data).rows() as f64 * 0.5;
             return (looks * (-0.5 * gain / loudest).exp()).clamp(LEAST, 1.0);
         }
         let above = self.most().iter().filter(|most| *most >= gain).count();

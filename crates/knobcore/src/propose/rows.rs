@@ -56,7 +56,7 @@ impl Exact<'_> {
 impl<'a> Rows<'a> {
     /// Of captures beside a fitted model, and their sum of squares.
     pub fn of(data: &'a [&'a Signals], model: &Model) -> (Self, f64) {
-        let thinned = Thinned::of(data, usize::MAX);
+        let thinned = Thinned::of(data);
         let free: Vec<usize> = model.free().collect();
         let (columns, mut residual, squares) = thinned.columns(data, model, &free);
         let base = orthonormal(&columns, residual.len());

@@ -9,7 +9,7 @@ use super::super::null::Null;
 use super::super::screen::{Screen, Start};
 use super::super::slower::{COARSE_HZ, MIDDLE_HZ, beginnings, floor, slowed};
 use super::super::strides::{ROUNDS, strides};
-use super::super::thinned::{Thinned, whole};
+use super::super::thinned::Thinned;
 use super::super::{implausible, locate};
 use super::all_wanted;
 use super::recorded::{SD, knob, recorded};
@@ -63,7 +63,8 @@ const TAKEN_UP: [Id; 2] = [Id::Offset, Id::DetentHarmonics];
 /// What every effect promises beside a model, shared and apart, behind a joint and before it, and what chance gives it.
 fn screened(told: &mut Answers, name: &str, data: &[&Signals], model: &Model, noises: &[Noise]) {
     let watch = all_wanted();
-    let screen = Screen::new(data, model, &watch);
+    let mut screen = Screen::new(data, model, &watch);
+    screen.chance = Some(Chance::of(data, noises, &screen.thinned));
     told.numbers(name, [screen.squares, f64::from(u8::from(screen.coupled))]);
     let mut all: Vec<(Id, Vec<Start>)> = Vec::new();
     for &id in Id::BUILT_IN.iter().filter(|id| !TAKEN_UP.contains(id)) {
@@ -83,15 +84,14 @@ fn screened(told: &mut Answers, name: &str, data: &[&Signals], model: &Model, no
         all.push((id, starts));
     }
     let null = Null::of(&screen, noises, SD * SD, all.iter().map(|(id, starts)| (*id, &starts[..])));
-    let chance = Chance::of(&screen, noises);
     for (id, starts) in &all {
         let what = format!("{name} {} by chance", id.info().id);
         [1.0, 3.0, 8.0, 14.0, 25.0, 60.0].iter().for_each(|gain| told.about(&what, null.p_value(*id, *gain)));
         if let Some(start) = starts.first().filter(|_| id.info().place != Place::Coupling) {
-            told.column("  signature", &chance.signature(*id, &start.model).concat());
+            told.column("  signature", &start.by_chance.concat());
         }
-        if chosen::scanned(*id) {
-            let mut gains = chosen::gains(&screen, &chance, SD * SD, *id, 99);
+        if let Some(chance) = screen.chance.as_ref().filter(|_| chosen::scanned(*id)) {
+            let mut gains = chosen::gains(&screen, chance, SD * SD, *id, 99);
             gains.sort_by(f64::total_cmp);
             told.numbers("  luckiest", [10, 50, 90].iter().filter_map(|at| gains.get(*at).copied()));
         }
@@ -202,17 +202,13 @@ fn what_a_joint_is_searched_through() {
         }
         told.numbers("  segments", one.segments.iter().flat_map(|one| [one.start as f64, one.end as f64]));
     }
-    for most in [usize::MAX, 700] {
-        let thinned = Thinned::of(&data, most);
-        let free: Vec<usize> =
-            (0..base.slots().len()).filter(|at| base.slots()[*at].role == Role::Free).collect();
-        let (columns, residual, squares) = thinned.columns(&data, &base, &free);
-        told.numbers(format!("thinned to {most}"), [thinned.rows() as f64, squares]);
-        told.column("  columns", &columns.concat());
-        told.column("  residual", &residual);
-        let every = whole(&data, &base, &free);
-        told.column("  picked", &thinned.pick(&data, &every[1]));
-    }
+    let thinned = Thinned::of(&data);
+    let free: Vec<usize> =
+        (0..base.slots().len()).filter(|at| base.slots()[*at].role == Role::Free).collect();
+    let (columns, residual, squares) = thinned.columns(&data, &base, &free);
+    told.numbers("thinned", [thinned.rows() as f64, squares]);
+    told.column("  columns", &columns.concat());
+    told.column("  residual", &residual);
     let watch = all_wanted();
     let off = knob(
         &[Id::Compliance],

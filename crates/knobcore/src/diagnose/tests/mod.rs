@@ -5,10 +5,11 @@ pub mod recorded;
 
 use super::screen::{Screen, Start};
 use super::watch::Watch;
-use super::{diagnose, pairs, sets};
+use super::{diagnose, pairs, sets, worth_adding};
 use crate::effects::{Id, Place, Survey};
 use crate::fit::{refine, sketch};
 use crate::model::{Model, Role};
+use crate::rule::rule;
 use crate::signals::Signals;
 use recorded::{knob, recorded};
 use std::sync::Mutex;
@@ -206,6 +207,42 @@ fn beside_a_joint_what_is_missing_is_found_and_what_explains_too_little_is_not_f
     for other in others {
         assert!(other.fit.is_none() && other.note.contains("explains too little"), "{:?}", other.id);
         assert!(other.gain == 0.0 && other.p_value == 1.0 && other.parameters > 0, "{:?}", other.id);
+    }
+}
+
+#[test]
+fn an_effect_that_is_asked_for_alone_is_fitted_beside_a_joint_however_little_it_explains() {
+    let joint = [("compliance.k", 0.3), ("compliance.d", 2e-3), ("compliance.share", 0.7)];
+    let truth = knob(&[Id::Compliance], &joint);
+    let signals = recorded(&truth, "fifth");
+    let data = [&signals];
+    let base = refine(&data, &truth).unwrap();
+    let found = diagnose(&data, &base.model, &[Id::ReturnSpring], &|_| true).unwrap();
+    let fit = found[0].fit.as_ref().unwrap();
+    assert!(found[0].p_value > 0.05 && (fit.rmse / base.rmse - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn of_an_error_that_chance_explains_what_promises_too_little_is_not_fitted_for_who_looks_for_what_to_add() {
+    let effects = [Id::QuadraticDrag, Id::Stribeck, Id::ReturnSpring];
+    // What a spring takes off the squared error: nothing, and more than the least that is named.
+    for (k, fitted) in [(0.0, false), (1.8e-4, true)] {
+        let data = recorded(&knob(&[Id::ReturnSpring], &[("return_spring.k", k)]), "a");
+        let data = [&data];
+        let base = refine(&data, &knob(&[], &[])).unwrap();
+        assert!(base.rmse < rule().at_floor * base.noise_floor, "{}", base.rmse / base.noise_floor);
+        let found = worth_adding(&data, &base.model, &effects, &|_| true).unwrap();
+        let all = diagnose(&data, &base.model, &effects, &|_| true).unwrap();
+        assert!(all.iter().all(|one| one.fit.is_some()));
+        assert!(!found.iter().any(|one| one.fit.is_some() && one.id != Id::ReturnSpring));
+        let [spring, same] =
+            [&found, &all].map(|of| of.iter().find(|one| one.id == Id::ReturnSpring).unwrap());
+        assert_eq!(spring.fit.is_some(), fitted, "{k}: {}", same.gain);
+        if fitted {
+            assert_eq!((spring.gain, spring.p_value), (same.gain, same.p_value));
+        } else {
+            assert!(spring.p_value == 1.0 && spring.note.contains("explains too little"));
+        }
     }
 }
 
