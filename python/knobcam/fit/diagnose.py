@@ -21,7 +21,7 @@ from .described import documented
 from .plausible import implausible
 from .refit import cores, describe, percent, with_clipped
 from .rule import RULE
-from .verdict import CHOSEN, COULD_BE, judged
+from .verdict import CHOSEN, COULD_BE, judged, off_by_law
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping
@@ -167,8 +167,7 @@ class Candidate:
 class Diagnosis(showing.Tabled):
     """The effects that could be missing from a fit, those for which most speaks first.
 
-    `left_out` are effects that could not be weighed, and why; not `whole` are those among them that explain
-    too little to be named.
+    `left_out` are effects that were not weighed, and why; not `whole`: some of them explain too little.
     """
 
     fit: Fit
@@ -327,12 +326,14 @@ def diagnose(
 def worth_adding(
     fit: Fit, without: Collection[str], progress: Callable[[float], object] | None = None
 ) -> Diagnosis:
-    """Return the same for who looks for what to add.
-
-    Where chance explains the error of a capture, and no effect could be named, those are left out that
-    explain too little for it. Of several captures an effect may show in one alone.
-    """
+    """Return the same for who looks for what to add: where none could be named, few are fitted."""
     out = {*without, *descriptions(fit.model.coordinate)}
+    if off_by_law(fit) >= fit.rmse**2 - (fit.noise_floor / RULE.at_floor) ** 2:
+        # However little the noise leaves, an effect would take off less than names one.
+        could, left_out = absent(fit, out)
+        left_out |= dict.fromkeys(could, "less is left than the laws that came in may be off by")
+        return Diagnosis(fit, (), left_out, whole=False)
+    # Of several captures an effect may show in one alone.
     if len(fit.prepared) == 1 and fit.compare().complete:
         few = _weighed(fit, out, progress, worth=True)
         if few.best is None:

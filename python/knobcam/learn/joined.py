@@ -9,6 +9,8 @@ from .. import _core
 from ..fit.diagnose import absent
 from ..fit.refit import converged, cores, gain, needless
 from ..fit.rule import RULE
+from ..fit.verdict import within_law
+from ..model.effects import effects
 from .joints import beside_others, chance, joints
 from .ladder import LearningStep, first_weighed
 
@@ -59,13 +61,19 @@ def rejoined(
     """Return the steps to another joint in the place of the one that came in, where that explains it better.
 
     A joint is chosen among others in what everything that comes in after it leaves. None where nothing came
-    in after it, where it stays, and without one; what `progress` raises ends the work.
+    in after it, where it stays, and without one; and where noise alone is left, or less than laws may be off
+    by and the joint has no simpler rival. What `progress` raises ends the work.
     """
     last = ladder[-1].fit
     own = [one for one in joints(last.model.coordinate) if one in last.model.effects]
     diagnosis = first_weighed(ladder)
     came = [step.added for step in ladder if step.added in last.model.effects]
     if diagnosis is None or not own or own[0] not in came[:-1]:
+        return None
+    rows = effects(last.model.coordinate)
+    few = min(len(rows[one].params) for one in joints(last.model.coordinate))
+    simplest = len(rows[own[0]].params) == few
+    if last.rmse <= RULE.converged * last.noise_floor or (within_law(last) and simplest):
         return None
     rigid = converged(last.drop(own[0]))
     step = _step(beside_others(diagnosis, own[0], last, rigid, without, progress), own[0])
