@@ -2,17 +2,17 @@
 use super::figures::Figures;
 use crate::wire::Frame;
 use knobcore::error::{Error, Result};
-#[cfg(loom)]
+#[cfg(feature = "orders")]
 use loom::sync::{Condvar, Mutex, MutexGuard};
 use std::collections::VecDeque;
 use std::io::Write;
 use std::sync::PoisonError;
-#[cfg(not(loom))]
+#[cfg(not(feature = "orders"))]
 use std::sync::{Condvar, Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
 /// Messages that wait for the host; a rig says a few in a second. A ring of two is looked through in every order.
-const MESSAGES: usize = if cfg!(loom) { 2 } else { 1024 };
+const MESSAGES: usize = if cfg!(feature = "orders") { 2 } else { 1024 };
 /// Bytes that wait to be sent: more than any window of an upload.
 const OUTGOING: usize = 1 << 20;
 
