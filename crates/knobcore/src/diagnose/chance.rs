@@ -13,8 +13,8 @@ use std::ops::Range;
 const ENOUGH: usize = 30_000;
 /// Stretches of a segment that stand for one of more samples.
 const STRETCHES: usize = 12;
-/// Frequencies at which filter and colour are asked, as many kept samples to either side over which an impulse is followed,
-/// and the share of its largest value that is nothing.
+/// Frequencies at which filter and colour are asked: an impulse is followed over half as many kept samples to either side.
+/// And the share of its largest value that is nothing.
 const FREQUENCIES: usize = 256;
 const NOTHING: f64 = 1e-4;
 
