@@ -65,22 +65,27 @@ impl Noise {
         self.innovation / (re * re + im * im)
     }
 
+    /// Power behind a measurement filter at this share of the sampling rate, (N m)^2.
+    pub fn passed(&self, filter: Option<&ZeroPhase>, share: f64) -> f64 {
+        let gain =
+            filter.map_or(1.0, |filter| filter.sos().power_gain(share * filter.sos().rate_hz()).powi(2));
+        gain * self.power(share)
+    }
+
     /// Variance behind a measurement filter, (N m)^2.
     pub fn behind(&self, filter: Option<&ZeroPhase>) -> f64 {
         if self.coefficients.is_empty() {
             return self.innovation * filter.map_or(1.0, |filter| filter.sos().mean_power());
         }
-        let gain = |share: f64| filter.map_or(1.0, |f| f.sos().power_gain(share * f.sos().rate_hz()).powi(2));
         let shares = (0..FREQUENCIES).map(|k| (k as f64 + 0.5) / (2 * FREQUENCIES) as f64);
-        shares.map(|share| gain(share) * self.power(share)).sum::<f64>() / FREQUENCIES as f64
+        shares.map(|share| self.passed(filter, share)).sum::<f64>() / FREQUENCIES as f64
     }
 
     /// Samples behind a measurement filter that tell of its variance what an independent one would.
     pub fn alike(&self, filter: Option<&ZeroPhase>) -> f64 {
         let (mut sum, mut squares) = (0.0, 0.0);
         for share in (0..FREQUENCIES).map(|k| (k as f64 + 0.5) / (2 * FREQUENCIES) as f64) {
-            let gain = filter.map_or(1.0, |f| f.sos().power_gain(share * f.sos().rate_hz()).powi(2));
-            let power = gain * self.power(share);
+            let power = self.passed(filter, share);
             (sum, squares) = (sum + power, squares + power * power);
         }
         squares * FREQUENCIES as f64 / (sum * sum)

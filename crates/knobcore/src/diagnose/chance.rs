@@ -76,14 +76,8 @@ fn impulse(signals: &Signals, noise: &Noise) -> Vec<f64> {
     let every = signals.spacing() as f64;
     // As shares of the fastest that the kept samples tell.
     let shares: Vec<f64> = (0..FREQUENCIES).map(|k| (k as f64 + 0.5) / FREQUENCIES as f64).collect();
-    let gain = |share: f64| {
-        let passes = signals
-            .filter
-            .as_ref()
-            .map_or(1.0, |filter| filter.sos().power_gain(0.5 * share / every * filter.sos().rate_hz()));
-        passes * noise.power(0.5 * share / every).sqrt()
-    };
-    let gains: Vec<f64> = shares.iter().map(|share| gain(*share)).collect();
+    let gain = |share: &f64| noise.passed(signals.filter.as_ref(), 0.5 * share / every).sqrt();
+    let gains: Vec<f64> = shares.iter().map(gain).collect();
     let at = |late: usize| {
         let wave = |share: &f64| (std::f64::consts::PI * late as f64 * share).cos();
         shares.iter().zip(&gains).map(|(share, gain)| gain * wave(share)).sum::<f64>() / FREQUENCIES as f64
