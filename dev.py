@@ -50,7 +50,7 @@ PROCESSORS = ("x86_64", "aarch64")  # computers that rigs hang on: PCs, Raspberr
 OLDEST = "manylinux_2_17"  # glibc 2.17, of 2012: what the Rust library itself asks for
 
 
-def run(*command: str | Path, silent: bool = False) -> str:
+def run(*command: str | Path, silent: bool = False, place: Path = ROOT) -> str:
     """Run in the checkout and inside .venv; a command that fails ends this one with its exit code.
 
     What a silent one prints is returned.
@@ -62,7 +62,7 @@ def run(*command: str | Path, silent: bool = False) -> str:
     # A conda environment that happens to be active would compete with .venv for the extension.
     environment.pop("CONDA_PREFIX", None)
     output = subprocess.PIPE if silent else None
-    ended = subprocess.run(words, cwd=ROOT, env=environment, stdout=output, text=True, check=False)
+    ended = subprocess.run(words, cwd=place, env=environment, stdout=output, text=True, check=False)
     if ended.returncode:
         sys.exit(max(ended.returncode, 1))
     return ended.stdout or ""
@@ -125,11 +125,11 @@ def setup(tools: str = "dev", profile: str = "develop") -> None:
     done("rust", rust)
 
 
-def library(folder: Path, profile: str, target: str = "", builder: str = "build") -> None:
+def library(folder: Path, profile: str, target: str = "", tree: Path = ROOT) -> None:
     """The render step for programs in C and for simulators, which `knobcam convert` hands out."""
     only = ("--target", target) if target else ()
-    run("cargo", builder, "--profile", profile, "--locked", "--package", "knobstep", *only)
-    built = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / target.partition(".")[0] / profile
+    run("cargo", "build", "--profile", profile, "--locked", "--package", "knobstep", *only, place=tree)
+    built = Path(os.environ.get("CARGO_TARGET_DIR", tree / "target")) / target / profile
     folder.mkdir(exist_ok=True)
     for name in LIBRARIES:
         if (built / name).is_file():
@@ -204,33 +204,51 @@ def wheel(options: list[str]) -> None:
     dist = ROOT / "dist"
     shutil.rmtree(dist, ignore_errors=True)
     run(BIN / "maturin", "sdist", "--out", dist)
-    source = next(dist.glob("*.tar.gz"))
-    # Without the cache, from which pip would take the wheel of an earlier archive of this name.
-    build: list[str | Path] = [PYTHON, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation"]
-    build += ["--no-cache-dir", source, "--wheel-dir", dist, "--config-settings"]
-    here = platform.machine()
-    if sys.platform != "linux" or here not in PROCESSORS:
-        run(*build, "build-args=--locked")
-        add_library(next(dist.glob("*.whl")))
-        return
-    for processor in PROCESSORS if "--all" in options else (here,):
-        target = f"{processor}-unknown-linux-gnu"
-        if processor != here:
-            run("rustup", "target", "add", target)
-        run(*build, f"build-args=--locked --zig --compatibility {OLDEST} --target {target}")
-        made = next(dist.glob(f"*_{processor}.whl"))
-        add_library(made, f"{target}.{OLDEST.removeprefix('manylinux_').replace('_', '.')}", "zigbuild")
-        run(BIN / "abi3audit", "--strict", made)
-        found = json.loads(run(BIN / "auditwheel", "show", "--json", made, silent=True))["overall_tag"]
-        if found != f"{OLDEST}_{processor}":
-            sys.exit(f"dev.py: {made.name}: its symbols ask for {found}")
-        print(f"{made.relative_to(ROOT)}: {found}, {made.stat().st_size / 1e6:.1f} MB")
+    with tempfile.TemporaryDirectory() as away:
+        shutil.unpack_archive(next(dist.glob("*.tar.gz")), away, filter="data")
+        tree = next(Path(away).iterdir())
+        build: list[str | Path] = [PYTHON, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", tree]
+        build += ["--wheel-dir", dist, "--config-settings"]
+        here = platform.machine()
+        if sys.platform != "linux" or here not in PROCESSORS:
+            run(*build, "build-args=--locked")
+            add_library(next(dist.glob("*.whl")), tree)
+            return
+        for processor in PROCESSORS if "--all" in options else (here,):
+            target = f"{processor}-unknown-linux-gnu"
+            if processor != here:
+                run("rustup", "target", "add", target)
+            link_by_zig(Path(away), processor)
+            run(*build, f"build-args=--locked --compatibility {OLDEST} --target {target}")
+            made = next(dist.glob(f"*_{processor}.whl"))
+            add_library(made, tree, target)
+            proven(made, processor)
 
 
-def add_library(made: Path, target: str = "", builder: str = "build") -> None:
-    """Add the shared library of the render step to a wheel, and to the wheel's record."""
+def link_by_zig(folder: Path, processor: str) -> None:
+    """Have cargo link for any processor and glibc, whoever calls it: what is compiled serves them all."""
+    glibc = OLDEST.removeprefix("manylinux_").replace("_", ".")
+    script = folder / f"zigcc-{processor}"
+    script.write_text(
+        f'#!/bin/sh\nexec cargo-zigbuild zig cc -- -target {processor}-linux-gnu.{glibc} "$@"\n'
+    )
+    script.chmod(0o755)
+    os.environ[f"CARGO_TARGET_{processor.upper()}_UNKNOWN_LINUX_GNU_LINKER"] = str(script)
+
+
+def proven(made: Path, processor: str) -> None:
+    """Show a wheel's tag and size, where it keeps what they promise."""
+    run(BIN / "abi3audit", "--strict", made)
+    found = json.loads(run(BIN / "auditwheel", "show", "--json", made, silent=True))["overall_tag"]
+    if found != f"{OLDEST}_{processor}":
+        sys.exit(f"dev.py: {made.name}: its symbols ask for {found}")
+    print(f"{made.relative_to(ROOT)}: {found}, {made.stat().st_size / 1e6:.1f} MB")
+
+
+def add_library(made: Path, tree: Path, target: str = "") -> None:
+    """Add the shared library of the render step, built in the same tree, to a wheel and its record."""
     with tempfile.TemporaryDirectory() as folder:
-        library(Path(folder), "release", target, builder)
+        library(Path(folder), "release", target, tree)
         files = {f"knobcam/render/lib/{path.name}": path.read_bytes() for path in Path(folder).iterdir()}
     with zipfile.ZipFile(made) as old:
         files = {name: old.read(name) for name in old.namelist()} | {
