@@ -95,7 +95,8 @@ def install(lock: str) -> None:
     if not PYTHON.is_file() or changed("python", sys.version):
         run(sys.executable, "-m", "venv", "--clear", VENV)
         done("python", sys.version)
-    run(PYTHON, "-m", "pip", "install", "--require-hashes", "-r", lock)
+    # Python compiles what is imported when it is: of all that lies there a small part.
+    run(PYTHON, "-m", "pip", "install", "--no-compile", "--require-hashes", "-r", lock)
     done(lock, now)
 
 

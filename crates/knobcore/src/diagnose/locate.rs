@@ -6,6 +6,7 @@
 use super::bins::{Bins, Totals, all_axes};
 use super::rest::{Region, Rest, Split};
 use super::spectrum::split_frequency;
+use super::watch::Watch;
 use crate::model::Model;
 use crate::order::descending;
 use crate::random;
@@ -25,13 +26,18 @@ pub fn locate(data: &[&Signals], model: &Model) -> Vec<Split> {
     let squares = rest.residual.iter().map(|part| part.iter().map(|r| r * r).collect()).collect();
     let measured = [rest.residual.clone(), squares].map(Totals::of);
     let mut chance: Vec<Chance> = axes.iter().map(Chance::new).collect();
-    let mut noise = random::Noise::new(0x6b6e_6f62);
-    for _ in 0..DRAWS / AT_ONCE {
-        for draw in noise_captures(&rest, &mut noise) {
-            let draw = Totals::of(draw);
-            for (bins, chance) in axes.iter().zip(&mut chance) {
-                chance.add(bins, &bins.sums(&draw));
-            }
+    let one = rest.data.iter().zip(&rest.noise).map(|(signals, noise)| signals.len() + noise.warm());
+    let numbers = (AT_ONCE * one.sum::<usize>()) as u64;
+    let batches: Vec<u64> = (0..(DRAWS / AT_ONCE) as u64).collect();
+    // Each goes on in the one stream where the one before it ends, whichever is made first.
+    let made = Watch::new(&|_| true, batches.len()).each(&batches, |batch| {
+        let mut noise = random::Noise::new(0x6b6e_6f62).ahead(batch * numbers);
+        let draws = noise_captures(&rest, &mut noise).into_iter().map(Totals::of);
+        draws.map(|draw| axes.iter().map(|bins| bins.sums(&draw)).collect()).collect::<Vec<Vec<_>>>()
+    });
+    for sums in made.into_iter().flatten() {
+        for ((bins, chance), sums) in axes.iter().zip(&mut chance).zip(&sums) {
+            chance.add(bins, sums);
         }
     }
     let mut splits: Vec<Split> = axes

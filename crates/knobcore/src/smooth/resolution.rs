@@ -13,19 +13,21 @@ pub fn quantum(column: &[f64]) -> f64 {
     // What differs by rounding alone is the same: an angle that was moved by whole counts keeps its step.
     let least = 4.0 * rounding(&finite);
     let changes = || finite.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|&change| change > least);
-    let step = changes().fold(f64::INFINITY, f64::min);
+    let (step, all) = changes().fold((f64::INFINITY, 0.0), |(least, all), step| (step.min(least), all + 1.0));
     if !step.is_finite() {
         return 0.0;
     }
-    let (mut whole, mut all) = (0.0, 0.0);
+    let mut whole = all;
     for change in changes() {
         let steps = change / step;
-        all += 1.0;
-        if (steps - steps.round()).abs() < TOLERANCE {
-            whole += 1.0;
+        if (steps - steps.round()).abs() >= TOLERANCE {
+            whole -= 1.0;
+            if whole < MOST * all {
+                return 0.0;
+            }
         }
     }
-    if whole >= MOST * all { step } else { 0.0 }
+    step
 }
 
 /// The least noise that `column` can have: uniform over a quantisation step (variance step^2 / 12, Widrow

@@ -9,7 +9,7 @@ import numpy as np
 from ...base.arrays import BoolArray, FloatArray, IntArray, groups, runs
 from ...base.said import said
 from ..finding import Finding, Rows, rows_in_words, spans
-from .order import medians, quantile
+from .order import deviation, medians
 
 _FEWEST = 1000  # rows from which it can be told what is usual
 _THIRD = np.array([-1.0, 3.0, -3.0, 1.0])  # what is left of a torque after it is noise
@@ -73,7 +73,7 @@ def _noise(values: FloatArray) -> float:
     third = third[third > 0.0]
     if not third.size:
         return 0.0
-    return max(quantile(third, 0.5) / 0.6745, quantile(third, 0.9) / 1.6449) / _GAIN
+    return deviation(third) / _GAIN
 
 
 def _loudness(values: FloatArray) -> FloatArray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy as np
 from ...base.arrays import BoolArray, FloatArray, IntArray, groups
 from ...base.said import said
 from ..finding import Finding, Rows, rows_in_words, spans
-from .order import quantile
+from .order import deviation, quantile
 from .stands import Leap, holes, together
 
 _REACH = (8, 16, 32)  # rows to either side through which one cubic goes; those that tell a leap best
@@ -181,6 +182,7 @@ class _Seen(NamedTuple):
     size: FloatArray
 
 
+@cache
 def _cubic(reach: int) -> FloatArray:
     """What the values of `reach` rows on both sides make of the factors of a cubic and of a leap between."""
     at = np.arange(-reach, reach) + 0.5
@@ -191,9 +193,7 @@ def _cubic(reach: int) -> FloatArray:
 def _seen(values: FloatArray, reach: int) -> _Seen:
     size = np.zeros(len(values))
     size[reach - 1 : len(values) - reach] = np.convolve(values, _cubic(reach)[4, ::-1], "valid")
-    # Half of normal values lie within 0.6745 deviations; a few leaps among them do not matter.
-    some = np.abs(size[::_EVERY])
-    return _Seen(max(quantile(some, 0.5) / 0.6745, quantile(some, 0.9) / 1.6449), reach, size)
+    return _Seen(deviation(np.abs(size[::_EVERY])), reach, size)  # a few leaps among them do not matter
 
 
 def _swiftest(values: FloatArray, reach: int) -> float:
@@ -205,7 +205,7 @@ def _swiftest(values: FloatArray, reach: int) -> float:
 def _noise(values: FloatArray) -> float:
     """Deviation of white noise with such third differences, of which 20 times the variance is left."""
     third = np.abs(np.convolve(values, [-1.0, 3.0, -3.0, 1.0], "valid"))
-    return max(quantile(third, 0.5) / 0.6745, quantile(third, 0.9) / 1.6449) / math.sqrt(20.0)
+    return deviation(third) / math.sqrt(20.0)
 
 
 def _peaks(size: FloatArray, least: float, reach: int) -> IntArray:

@@ -11,7 +11,7 @@ from ...base.arrays import BoolArray, FloatArray
 from ...base.said import Advice, OfColumn, said
 from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import Coordinate
-from .order import quantile
+from .order import quantile, quantiles
 
 MAX_SPREAD = 0.3
 """Interquartile range of that ratio, relative, above which the columns are too noisy to judge."""
@@ -96,7 +96,7 @@ def ratio(
         if strong.sum() < _MIN_WINDOWS // 4:
             continue
         ratios = found[strong] / wanted[strong]
-        low, middle, high = (quantile(ratios, share) for share in (0.25, 0.5, 0.75))
+        low, middle, high = quantiles(ratios, 0.25, 0.5, 0.75)
         if middle != 0.0 and (best is None or (high - low) / abs(middle) < best[0]):
             best = ((high - low) / abs(middle), middle)
     if best is not None and best[0] <= MAX_SPREAD:

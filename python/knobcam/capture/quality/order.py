@@ -13,6 +13,22 @@ def quantile(values: FloatArray, share: float) -> float:
     return float(np.partition(values, rank)[rank])
 
 
+def quantiles(values: FloatArray, *shares: float) -> list[float]:
+    """Return the same for several shares: sorted once, which takes no longer than one of them."""
+    ranked = np.sort(values)
+    return [float(ranked[round(share * (len(values) - 1))]) for share in shares]
+
+
+def deviation(values: FloatArray) -> float:
+    """Return the deviation of normal values around zero of which these are the sizes.
+
+    Half lie within 0.6745 deviations and nine of ten within 1.6449: the larger, where counts or a few others
+    are among them.
+    """
+    half, most = quantiles(values, 0.5, 0.9)
+    return max(half / 0.6745, most / 1.6449)
+
+
 def medians(rows: FloatArray) -> FloatArray:
     """Return the median of each row, shape (rows, n > 0)."""
     ranked, half = np.sort(rows, axis=1), rows.shape[1] // 2

@@ -11,7 +11,7 @@ from ...base.arrays import BoolArray, FloatArray
 from ...base.said import Advice, number, said
 from ..finding import Finding
 from ..formats.units import Coordinate
-from .order import quantile
+from .order import quantile, quantiles
 
 LARGEST_NM = 1.0
 """Torque (N m) that a hand turning a knob exceeds for a moment at most."""
@@ -66,7 +66,7 @@ def _faster_than_hands(t: FloatArray, theta: FloatArray) -> tuple[str, str] | No
     if len(t) <= span:
         return None
     speeds = np.abs((theta[span:] - theta[:-span]) / (t[span:] - t[:-span]))
-    usual, most = quantile(speeds, _MOSTLY), quantile(speeds, _MOMENTS)
+    usual, most = quantiles(speeds, _MOSTLY, _MOMENTS)
     remedy = "if it is in degrees, map theta=... [deg]; of a motor state the unit: theta=... [rad]"
     if usual > LARGEST_RAD_S:
         return f"{usual:.4g} rad/s is faster than hands turn", remedy

@@ -104,11 +104,12 @@ def check_steps(
     spike = _there_and_back(step - expected, CLEAR * noise) & ~stale[:-1] & ~stale[1:]
     bad["spike"][index[1:-1][spike]] = True
     # A leap that stays is beyond all steps of the motion; so wide a gap is not bridged.
-    leap = ~stale & (off > CLEAR * noise) & (off > _LEAP * quantile(np.abs(step), 0.999))
+    longest = _LEAP * quantile(np.abs(step), 0.999)
+    leap = ~stale & (off > CLEAR * noise) & (off > longest)
     leap &= (np.diff(t[index]) < 1.5 / rate_hz) & (np.diff(index) == 1)  # else time passed
     if coordinate == "rotary":  # what is near a whole turn may be an angle that wraps around
         part = np.abs(step - math.tau * np.rint(step / math.tau))
-        leap &= (np.abs(step) <= math.pi) | (part > _LEAP * quantile(np.abs(step), 0.999))
+        leap &= (np.abs(step) <= math.pi) | (part > longest)
     leap &= ~(np.append(spike, False) | np.append(False, spike))
     away = _away(theta[index], np.flatnonzero(leap))
     bad["spike"][index[away]] = True

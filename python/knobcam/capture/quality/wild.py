@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray, IntArray, runs
-from .order import quantile
+from .order import quantiles
 
 BESIDE = 6
 """Good rows on either side, through all of which one parabola has to go."""
@@ -93,13 +93,14 @@ def wild(t: FloatArray, values: FloatArray, least: float) -> BoolArray:
 def _even(t: FloatArray) -> bool:
     """Whether the clock is even: who stamps unevenly reads unevenly too."""
     step = np.diff(t)
-    low, usual, high = (quantile(step, share) for share in (_RARELY, 0.5, 1.0 - _RARELY))
+    low, usual, high = quantiles(step, _RARELY, 0.5, 1.0 - _RARELY)
     return high - low < _UNEVEN * usual
 
 
 def _noise(third: FloatArray, shares: tuple[tuple[float, float], ...], least: float) -> float:
     """Deviation of white noise with such third differences; the widest where its tails are heavier."""
-    wide = max(quantile(third, share) / deviations for share, deviations in shares)
+    sizes = quantiles(third, *(share for share, _ in shares))
+    wide = max(size / deviations for size, (_, deviations) in zip(sizes, shares, strict=True))
     return max(wide / math.sqrt(_GAIN), least)
 
 
