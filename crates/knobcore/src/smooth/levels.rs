@@ -73,19 +73,11 @@ fn level(t: &[f64], column: &[f64]) -> f64 {
 /// The divided difference of `rows`, at whatever times, scaled so that white noise keeps its variance.
 fn difference(t: &[f64], column: &[f64], rows: &[usize]) -> f64 {
     let span = t[rows[SAMPLES - 1]] - t[rows[0]];
-    let at: [f64; SAMPLES] = std::array::from_fn(|i| (t[rows[i]] - t[rows[0]]) / span);
-    // Of each sample, the product of how far it is from the others: its weight is one over that.
-    let mut apart = [1.0; SAMPLES];
-    for i in 0..SAMPLES {
-        for j in i + 1..SAMPLES {
-            apart[i] *= at[i] - at[j];
-            apart[j] *= at[j] - at[i];
-        }
-    }
     let (mut sum, mut gain) = (0.0, 0.0);
-    for (row, apart) in rows.iter().zip(apart) {
-        let weight = 1.0 / apart;
-        sum += weight * (column[*row] - column[rows[0]]);
+    for &i in rows {
+        let others = rows.iter().filter(|&&j| j != i);
+        let weight: f64 = others.map(|&j| (t[i] - t[j]) / span).product::<f64>().recip();
+        sum += weight * (column[i] - column[rows[0]]);
         gain += weight * weight;
     }
     sum / gain.sqrt()
