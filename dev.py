@@ -130,7 +130,7 @@ def library(folder: Path, profile: str, target: str = "", tree: Path = ROOT) -> 
     """The render step for programs in C and for simulators, which `knobcam convert` hands out."""
     only = ("--target", target) if target else ()
     run("cargo", "build", "--profile", profile, "--locked", "--package", "knobstep", *only, place=tree)
-    built = Path(os.environ.get("CARGO_TARGET_DIR", tree / "target")) / target / profile
+    built = tree / os.environ.get("CARGO_TARGET_DIR", "target") / target / profile
     folder.mkdir(exist_ok=True)
     for name in LIBRARIES:
         if (built / name).is_file():
@@ -206,10 +206,10 @@ def wheel(options: list[str]) -> None:
     shutil.rmtree(dist, ignore_errors=True)
     run(BIN / "maturin", "sdist", "--out", dist)
     with tempfile.TemporaryDirectory() as away:
-        shutil.unpack_archive(next(dist.glob("*.tar.gz")), away, filter="data")
+        shutil.unpack_archive(next(dist.glob("*.tar.gz")), away)
         tree = next(Path(away).iterdir())
         build: list[str | Path] = [PYTHON, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", tree]
-        build += ["--wheel-dir", dist, "--config-settings"]
+        build += ["--no-cache-dir", "--wheel-dir", dist, "--config-settings"]  # pip would keep each one
         here = platform.machine()
         if sys.platform != "linux" or here not in PROCESSORS:
             run(*build, "build-args=--locked")

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ...base.arrays import FloatArray
+
+HALF_AND_MOST = ((0.5, 0.6745), (0.9, 1.6449))
+"""Shares of normal values, and the deviations within which they lie."""
 
 
 def quantile(values: FloatArray, share: float) -> float:
@@ -19,14 +24,13 @@ def quantiles(values: FloatArray, *shares: float) -> list[float]:
     return [float(ranked[round(share * (len(values) - 1))]) for share in shares]
 
 
-def deviation(values: FloatArray) -> float:
+def deviation(sizes: FloatArray, shares: Sequence[tuple[float, float]] = HALF_AND_MOST) -> float:
     """Return the deviation of normal values around zero of which these are the sizes.
 
-    Half lie within 0.6745 deviations and nine of ten within 1.6449: the larger, where counts or a few others
-    are among them.
+    `shares` of them lie within so many deviations each: the widest counts, where there are others among them.
     """
-    half, most = quantiles(values, 0.5, 0.9)
-    return max(half / 0.6745, most / 1.6449)
+    ends = quantiles(sizes, *(share for share, _ in shares))
+    return max(end / deviations for end, (_, deviations) in zip(ends, shares, strict=True))
 
 
 def medians(rows: FloatArray) -> FloatArray:

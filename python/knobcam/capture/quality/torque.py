@@ -12,7 +12,7 @@ from ...base.arrays import BoolArray, FloatArray, runs
 from ...base.said import Advice, Said, said
 from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import GIVEN
-from .order import medians, quantiles
+from .order import deviation, medians
 from .wild import wild
 
 Limit = Literal["sensor", "actuator"]
@@ -156,8 +156,7 @@ def _unfelt(columns: dict[str, FloatArray], index: NDArray[np.intp], at: NDArray
 
 def _noise(step: FloatArray) -> float:
     """Deviation of white noise with such steps; the wider of two measures where its tails are heavier."""
-    half, most = quantiles(np.abs(step), 0.5, 0.8)
-    return max(half / 0.6745, most / 1.2816) / math.sqrt(2.0)
+    return deviation(np.abs(step), ((0.5, 0.6745), (0.8, 1.2816))) / math.sqrt(2.0)
 
 
 def _leaps(values: FloatArray, at: NDArray[np.intp], noise: float) -> FloatArray:

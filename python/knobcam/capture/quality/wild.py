@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray, IntArray, runs
-from .order import quantiles
+from .order import deviation, quantiles
 
 BESIDE = 6
 """Good rows on either side, through all of which one parabola has to go."""
@@ -99,9 +99,7 @@ def _even(t: FloatArray) -> bool:
 
 def _noise(third: FloatArray, shares: tuple[tuple[float, float], ...], least: float) -> float:
     """Deviation of white noise with such third differences; the widest where its tails are heavier."""
-    sizes = quantiles(third, *(share for share, _ in shares))
-    wide = max(size / deviations for size, (_, deviations) in zip(sizes, shares, strict=True))
-    return max(wide / math.sqrt(_GAIN), least)
+    return max(deviation(third, shares) / math.sqrt(_GAIN), least)
 
 
 def _beside(rows: IntArray, good: IntArray) -> tuple[IntArray, IntArray]:
