@@ -6,6 +6,7 @@ import { samplesOf, showCaptures, showFindings } from "./captures.js";
 import { Candidates } from "./candidates.js";
 import { byId, shown } from "./dom.js";
 import { AnyEffect, about } from "./effects.js";
+import { ofLimits } from "./evidence.js";
 import { opening, saving } from "./files.js";
 import { showHidden, unhiding } from "./hidden.js";
 import { keys } from "./keys.js";
@@ -373,7 +374,8 @@ class App {
   /** @param {unknown} reason */
   failed(reason) {
     this.deed = null;
-    byId("said").textContent = wordsOf(reason);
+    const words = wordsOf(reason);
+    byId("said").textContent = this.state ? ofLimits(words, aboutOf(this.state)) : words;
     byId("said").classList.add("wrong");
   }
 }

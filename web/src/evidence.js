@@ -24,6 +24,17 @@ export function limitWords(about) {
   };
 }
 
+/**
+ * What is said of limits, with the words of the form in the place of the names that files have.
+ * @param {string} said
+ * @param {Pick<import("./said.js").About, "coordinate" | "unit">} about
+ */
+export function ofLimits(said, about) {
+  if (!said.startsWith("limits")) return said;
+  const pairs = Object.entries(limitWords(about));
+  return pairs.reduce((words, [name, called]) => words.replaceAll(name, `“${called}”`), said);
+}
+
 /** @param {Experiment["pairs"]} pairs */
 export function largest(pairs) {
   return Math.max(100, ...pairs.flatMap(({ d, standard_d, came }) => [d, standard_d, came ?? 0]));

@@ -18,7 +18,7 @@ export class Params {
   constructor(place, deeds) {
     this.place = place;
     this.deeds = deeds;
-    /** @type {Map<string, {slider: HTMLInputElement, value: HTMLElement, error: HTMLElement, low: number, high: number, factor: number}>} */
+    /** @type {Map<string, {slider: HTMLInputElement, value: HTMLElement, error: HTMLElement, apart: HTMLElement, low: number, high: number, factor: number}>} */
     this.rows = new Map();
     /** @type {string} */
     this.shape = "";
@@ -36,6 +36,7 @@ export class Params {
       if (!row) continue;
       const shown = number(param.value * row.factor, 4);
       row.value.textContent = shown;
+      row.apart.textContent = apart(param);
       row.error.hidden = param.dragged; // of the fitted value, not of one that a hand gave
       row.slider.setAttribute("aria-valuetext", `${shown} ${units[at].unit}`);
       row.value.classList.toggle("moved", param.dragged);
@@ -52,7 +53,7 @@ export class Params {
       this.heading(effect, groups.size > 1),
       ...own.flatMap((param) => {
         const doubt = param.doubt ? sentence(withoutName(param.doubt, param.name), about).trim() : "";
-        return [this.line(param, doubt, scaleOf(param.unit, about)), own.length <= WORDED ? meaning(param) : "", reason(doubt)];
+        return [this.line(param, doubt, scaleOf(param.unit, about)), own.length <= WORDED ? this.meaning(param) : "", reason(doubt)];
       }),
     ]);
     const widths = make("colgroup", {}, ...["name", "slide", "value", "unit"].map((name) => make("col", { class: name })));
@@ -80,7 +81,7 @@ export class Params {
     });
     const value = make("span", { class: "figure" });
     const error = make("span", { class: "error soft figure", text: plusMinus(param, factor) });
-    this.rows.set(param.name, { slider, value, error, low, high, factor });
+    this.rows.set(param.name, { slider, value, error, apart: make("span"), low, high, factor });
     const between = param.ci95 ? param.ci95.map((end) => number(end * factor)).join(" … ") : "not determined";
     const doubt = doubted ? make("span", { class: "doubt", text: " ⚠", "aria-hidden": "true" }) : null;
     const about = [param.name, param.meaning, doubted].filter(Boolean).join(": ");
@@ -94,6 +95,12 @@ export class Params {
     );
   }
 
+  /** What a parameter is, below it. @param {Param} param */
+  meaning({ name, meaning: words }) {
+    if (!words) return "";
+    return make("tr", {}, make("td", { class: "meaning soft", colspan: 4 }, words, this.rows.get(name)?.apart ?? ""));
+  }
+
   /** @param {string} name */
   drag(name) {
     const row = this.rows.get(name);
@@ -105,9 +112,14 @@ export class Params {
   }
 }
 
-/** What a parameter is, below it. @param {Param} param */
-function meaning({ meaning: words }) {
-  return words ? make("tr", {}, make("td", { class: "meaning soft", colspan: 4, text: words })) : "";
+/**
+ * A period over 2 pi, by which laws are written, as a person counts what returns with it; nothing of other parameters.
+ * @param {Pick<Param, "name" | "unit" | "value">} param
+ */
+export function apart({ name, unit, value }) {
+  if (!name.endsWith(".P") || !(value > 0)) return "";
+  if (unit !== "rad") return unit === "m" ? `: every ${number(2000 * Math.PI * value, 4)} mm` : "";
+  return `: ${number(1 / value, 4)} a turn, ${number(360 * value, 4)}° apart`;
 }
 
 /** A sentence without the parameter that it begins with, below which it stands. @param {import("./said.js").Part[]} said @param {string} name */

@@ -42,11 +42,14 @@ export function sources(heard) {
     dialog.showModal();
     told.textContent = "";
     byId("new-fault").hidden = true;
+    if (!known) byId("new-doing").textContent = "looking for knobs and rigs …"; // its lists are empty for a second
     try {
       known = /** @type {Sources} */ (await ask("sources"));
     } catch (reason) {
       told.textContent = wordsOf(reason);
       return;
+    } finally {
+      byId("new-doing").textContent = "";
     }
     fill(form, "knob", known.knobs.map(({ name, words }) => [name, words]), "knob3");
     const { hideable } = known.knobs[0];

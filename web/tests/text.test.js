@@ -2,9 +2,9 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { limits } from "../src/axes.js";
-import { limitWords } from "../src/evidence.js";
+import { limitWords, ofLimits } from "../src/evidence.js";
 import { latest } from "../src/latest.js";
-import { plusMinus } from "../src/params.js";
+import { apart, plusMinus } from "../src/params.js";
 import { number, percent, ticks, torqueScale, torqueWord } from "../src/numbers.js";
 
 test("numbers have a true minus and as many digits as they need", () => {
@@ -31,6 +31,19 @@ test("small torques are told in mNm, forces in N", () => {
 test("what stands for a torque is called by its unit", () => {
   assert.deepEqual(torqueScale({ unit: "A", peak: 0.1 }), { factor: 1, unit: "A" });
   assert.deepEqual(["N m", "N", "A", "duty"].map(torqueWord), ["torque", "force", "current", "duty cycle"]);
+});
+
+test("what is wrong with a limit is said in the words of its field", () => {
+  const about = /** @type {const} */ ({ coordinate: "rotary", unit: "N m" });
+  assert.equal(ofLimits("limits, omega_rad_s: is -1; give a number above 0", about), "limits, “velocity, rad/s”: is -1; give a number above 0");
+  assert.equal(ofLimits("no file omega_rad_s", about), "no file omega_rad_s");
+});
+
+test("a period says how often it returns", () => {
+  assert.equal(apart({ name: "detent.P", unit: "rad", value: 0.05 }), ": 20 a turn, 18° apart");
+  assert.equal(apart({ name: "position_friction.P", unit: "m", value: 0.002 / (2 * Math.PI) }), ": every 2 mm");
+  assert.equal(apart({ name: "detent.A", unit: "rad", value: 0.05 }), "");
+  assert.equal(apart({ name: "detent.P", unit: "rad", value: NaN }), "");
 });
 
 test("the limits of a slide's motion are in metres", () => {

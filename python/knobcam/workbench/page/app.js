@@ -98,7 +98,7 @@ var titles = {};
 var meanings = {};
 function known({ titles: called, params = [] }) {
   titles = called;
-  meanings = Object.fromEntries(params.map(({ name, meaning: meaning2 }) => [name, meaning2]));
+  meanings = Object.fromEntries(params.map(({ name, meaning }) => [name, meaning]));
 }
 function titleOf(effect) {
   return titles[effect] ?? effect;
@@ -684,9 +684,9 @@ function showFindings(place4, { captures, active, limitations, notes, job }, abo
   const every = alikeInAll(fitted);
   const short2 = new Map(shortNames(fitted.map(({ name }) => name)).map((name, at) => [fitted[at].id, name]));
   const [several, all] = [fitted.length > 1, { id: "", name: "all: ", job }];
-  const apart = fitted.map((one) => ({ ...one, findings: one.findings.filter((found3) => !isNote(found3) || !every.has(keyOf(found3))) }));
-  const told = [...apart.flatMap(({ findings }) => findings), ...every.values()];
-  const found2 = apart.flatMap(({ id, findings }) => {
+  const apart2 = fitted.map((one) => ({ ...one, findings: one.findings.filter((found3) => !isNote(found3) || !every.has(keyOf(found3))) }));
+  const told = [...apart2.flatMap(({ findings }) => findings), ...every.values()];
+  const found2 = apart2.flatMap(({ id, findings }) => {
     const own2 = [...findings.filter((one) => !isNote(one)), ...findings.filter(isNote)];
     return own2.map((one) => finding(one, { id, name: several ? `${short2.get(id)}: ` : "", job }, about2, deeds));
   });
@@ -997,12 +997,12 @@ var Candidates = class {
    */
   untold({ effect, equivalent }) {
     if (equivalent.length === 0) return null;
-    const apart = make("button", {
+    const apart2 = make("button", {
       ...{ type: "button", text: "Tell apart…", "aria-label": `Tell apart… ${titleOf(effect)}` },
       ...{ title: "design the motion that would tell", on: { click: () => this.deeds.apart?.([effect, ...equivalent]) } }
     });
     const others = listed(equivalent, ", ");
-    return make("span", { class: "alike soft" }, "this capture cannot tell it from ", ...others, " ", this.deeds.apart ? apart : null);
+    return make("span", { class: "alike soft" }, "this capture cannot tell it from ", ...others, " ", this.deeds.apart ? apart2 : null);
   }
   /** Go to an effect. @param {string} effect */
   go(effect) {
@@ -1366,6 +1366,50 @@ function dialog() {
     /** @type {HTMLDialogElement} */
     byId("about")
   );
+}
+
+// src/evidence.js
+var LEAST_D = 0.1;
+function limitWords(about2) {
+  const { theta, omega, alpha } = motionWords(about2);
+  return {
+    torque_Nm: `${torqueWord(about2.unit)}, ${about2.unit}`,
+    omega_rad_s: `${omega.name}, ${omega.unit}`,
+    alpha_rad_s2: `${alpha.name}, ${alpha.unit}`,
+    theta_min_rad: `from ${theta.name}, ${theta.unit}`,
+    theta_max_rad: `to ${theta.name}, ${theta.unit}`
+  };
+}
+function ofLimits(said, about2) {
+  if (!said.startsWith("limits")) return said;
+  const pairs = Object.entries(limitWords(about2));
+  return pairs.reduce((words3, [name, called]) => words3.replaceAll(name, `“${called}”`), said);
+}
+function largest2(pairs) {
+  return Math.max(100, ...pairs.flatMap(({ d, standard_d, came }) => [d, standard_d, came ?? 0]));
+}
+function bars({ names, d, standard_d, wrong_choice, came }, about2, { told, most }) {
+  const share = (value) => `${100 * Math.log(Math.max(value, LEAST_D) / LEAST_D) / Math.log(most / LEAST_D)}%`;
+  const row = (words3, value, name) => {
+    const bar2 = make("span", { class: `bar ${name}` });
+    const line2 = make("span", { class: "told" });
+    bar2.style.width = share(value);
+    line2.style.left = share(told);
+    return make(
+      "div",
+      { class: "evidence-line" },
+      make("span", { class: "label", text: words3 }),
+      make("span", { class: "track" }, bar2, line2),
+      make("span", { class: "figure", text: number(value) })
+    );
+  };
+  const wrong = wrong_choice < 1e-3 ? "less than 0.1 %" : percent(wrong_choice);
+  return [
+    make("p", {}, make("strong", {}, ...nodes(names[0], about2), " or ", ...nodes(names[1], about2)), `: the wrong one is chosen in ${wrong}`),
+    row("this motion", d, "promised"),
+    row("best standard motion", standard_d, "standard"),
+    ...came === null ? [] : [row("what came", came, "came")]
+  ];
 }
 
 // src/mapping.js
@@ -1958,7 +2002,7 @@ function drawSurface(canvas, surface, about2, law) {
   ), noise: null });
   const shown2 = law === null ? surface.value : surface.laws[law - 1];
   if (!shown2) return;
-  const most = largest2(surface);
+  const most = largest3(surface);
   const [left, right, top, bottom] = [MARGIN.left, width - MARGIN.right, MARGIN.top, height - MARGIN.bottom];
   const [wide, high] = [(right - left) / surface.x.length, (bottom - top) / surface.y.length];
   for (const [row, values] of shown2.entries()) {
@@ -1975,12 +2019,12 @@ function ends(places) {
   const half = places.length > 1 ? 0.5 * (places[1] - places[0]) : 0.5;
   return { low: places[0] - half, high: places[places.length - 1] + half };
 }
-function largest2({ value }) {
+function largest3({ value }) {
   return Math.max(...value.flat().map((one) => Math.abs(one ?? 0))) || 1;
 }
 function surfaceWords(surface, about2) {
   const scale = surface.times ? { factor: 1, unit: `${about2.unit} / (${surface.times})` } : torqueScale(about2);
-  const most = `${number(largest2(surface) * scale.factor)} ${scale.unit}`;
+  const most = `${number(largest3(surface) * scale.factor)} ${scale.unit}`;
   return `Over two variables: orange up to ${most}, blue as far below zero; blank where the motion did not go.`;
 }
 
@@ -3496,45 +3540,6 @@ function head(brush, [x, y], way) {
   brush.fill();
 }
 
-// src/evidence.js
-var LEAST_D = 0.1;
-function limitWords(about2) {
-  const { theta, omega, alpha } = motionWords(about2);
-  return {
-    torque_Nm: `${torqueWord(about2.unit)}, ${about2.unit}`,
-    omega_rad_s: `${omega.name}, ${omega.unit}`,
-    alpha_rad_s2: `${alpha.name}, ${alpha.unit}`,
-    theta_min_rad: `from ${theta.name}, ${theta.unit}`,
-    theta_max_rad: `to ${theta.name}, ${theta.unit}`
-  };
-}
-function largest3(pairs) {
-  return Math.max(100, ...pairs.flatMap(({ d, standard_d, came }) => [d, standard_d, came ?? 0]));
-}
-function bars({ names, d, standard_d, wrong_choice, came }, about2, { told, most }) {
-  const share = (value) => `${100 * Math.log(Math.max(value, LEAST_D) / LEAST_D) / Math.log(most / LEAST_D)}%`;
-  const row = (words3, value, name) => {
-    const bar2 = make("span", { class: `bar ${name}` });
-    const line2 = make("span", { class: "told" });
-    bar2.style.width = share(value);
-    line2.style.left = share(told);
-    return make(
-      "div",
-      { class: "evidence-line" },
-      make("span", { class: "label", text: words3 }),
-      make("span", { class: "track" }, bar2, line2),
-      make("span", { class: "figure", text: number(value) })
-    );
-  };
-  const wrong = wrong_choice < 1e-3 ? "less than 0.1 %" : percent(wrong_choice);
-  return [
-    make("p", {}, make("strong", {}, ...nodes(names[0], about2), " or ", ...nodes(names[1], about2)), `: the wrong one is chosen in ${wrong}`),
-    row("this motion", d, "promised"),
-    row("best standard motion", standard_d, "standard"),
-    ...came === null ? [] : [row("what came", came, "came")]
-  ];
-}
-
 // src/lead.js
 var COUNT_IN = 4;
 var AT_ONCE = 0.1;
@@ -3577,9 +3582,9 @@ function beats(motion, steps) {
     return Array.from({ length: count }, (_, n) => first + (minute > 0 ? 60 * n / minute : 0));
   });
   times2.push(motion.t[motion.t.length - 1]);
-  const apart = times2.filter((at, n) => n === 0 || at - times2[n - 1] > AT_ONCE);
+  const apart2 = times2.filter((at, n) => n === 0 || at - times2[n - 1] > AT_ONCE);
   const turn = (at) => turns.some((one) => Math.abs(one.at - at) < AT_ONCE);
-  return apart.map((at) => ({ at, theta: angleAt(motion, at), turn: turn(at) }));
+  return apart2.map((at) => ({ at, theta: angleAt(motion, at), turn: turn(at) }));
 }
 function range(values) {
   let [low, high] = [Infinity, -Infinity];
@@ -3895,7 +3900,7 @@ var Next = class {
     byId("next-source").textContent = source ? `from ${source}` : "";
     byId("next-keys").replaceChildren(...experiment.rivals.map((rival, at) => key(nodes(rival, about2), at)));
     byId("next-evidence").hidden = pairs.length === 0;
-    byId("next-pairs").replaceChildren(...pairs.flatMap((pair) => bars(pair, about2, { told: experiment.told, most: largest3(pairs) })));
+    byId("next-pairs").replaceChildren(...pairs.flatMap((pair) => bars(pair, about2, { told: experiment.told, most: largest2(pairs) })));
     const tempi = new Set(steps.map(({ beats: beats2 }) => Math.round(beats2)).filter(Boolean));
     const led = tempi.size === 1 ? ` at ${[...tempi][0]} beats a minute` : "";
     byId("next-can").textContent = by_hand ? `By hand, led by a metronome${led}` : "For a motor";
@@ -3943,15 +3948,15 @@ var Next = class {
         ...{ picked: 0, noise: null }
       });
     }
-    const apart = state.experiment.rivals.map((_, at) => motion[`rival ${at}`]);
-    const [low, high] = limits(apart);
+    const apart2 = state.experiment.rivals.map((_, at) => motion[`rival ${at}`]);
+    const [low, high] = limits(apart2);
     const scale = torqueScale(state);
     this.plots[2].show({
-      title: apart.length > 1 ? `how the ${torqueWord(state.unit)} of each rival parts from the others` : `${torqueWord(state.unit)} that it takes`,
+      title: apart2.length > 1 ? `how the ${torqueWord(state.unit)} of each rival parts from the others` : `${torqueWord(state.unit)} that it takes`,
       x: motion.t,
-      series: apart.map((y, at) => ({ colour: COLOURS[at % COLOURS.length], chosen: null, y, strength: 1 })),
+      series: apart2.map((y, at) => ({ colour: COLOURS[at % COLOURS.length], chosen: null, y, strength: 1 })),
       xAxis: axis(limits([motion.t]), "time, s"),
-      yAxis: { low, high, factor: scale.factor, label: apart.length > 1 ? `less their mean, ${scale.unit}` : scale.unit },
+      yAxis: { low, high, factor: scale.factor, label: apart2.length > 1 ? `less their mean, ${scale.unit}` : scale.unit },
       ...{ picked: 0, noise: null }
     });
   }
@@ -4040,7 +4045,7 @@ function insteadOf({ candidates, record, untold }) {
   if (candidates.rows.some(({ could_be: could }) => could)) return "What to record next: that is known once what is missing is in the model.";
   return record ? `What to record next, to see what it is: ${record}.` : "";
 }
-function showUntold(place4, { untold }, apart) {
+function showUntold(place4, { untold }, apart2) {
   const rows = untold.map(
     (effects) => make(
       "li",
@@ -4049,7 +4054,7 @@ function showUntold(place4, { untold }, apart) {
       " came in; these captures cannot tell it from ",
       ...listed(effects.slice(1), ", "),
       ". ",
-      make("button", { type: "button", text: "Tell apart…", on: { click: () => apart(effects) } })
+      make("button", { type: "button", text: "Tell apart…", on: { click: () => apart2(effects) } })
     )
   );
   place4.replaceChildren(...rows);
@@ -4195,6 +4200,7 @@ var Params = class {
       if (!row) continue;
       const shown2 = number(param.value * row.factor, 4);
       row.value.textContent = shown2;
+      row.apart.textContent = apart(param);
       row.error.hidden = param.dragged;
       row.slider.setAttribute("aria-valuetext", `${shown2} ${units[at].unit}`);
       row.value.classList.toggle("moved", param.dragged);
@@ -4210,7 +4216,7 @@ var Params = class {
       this.heading(effect, groups.size > 1),
       ...own.flatMap((param) => {
         const doubt = param.doubt ? sentence(withoutName(param.doubt, param.name), about2).trim() : "";
-        return [this.line(param, doubt, scaleOf(param.unit, about2)), own.length <= WORDED ? meaning(param) : "", reason(doubt)];
+        return [this.line(param, doubt, scaleOf(param.unit, about2)), own.length <= WORDED ? this.meaning(param) : "", reason(doubt)];
       })
     ]);
     const widths = make("colgroup", {}, ...["name", "slide", "value", "unit"].map((name) => make("col", { class: name })));
@@ -4236,7 +4242,7 @@ var Params = class {
     });
     const value = make("span", { class: "figure" });
     const error = make("span", { class: "error soft figure", text: plusMinus(param, factor) });
-    this.rows.set(param.name, { slider, value, error, low, high, factor });
+    this.rows.set(param.name, { slider, value, error, apart: make("span"), low, high, factor });
     const between3 = param.ci95 ? param.ci95.map((end) => number(end * factor)).join(" … ") : "not determined";
     const doubt = doubted ? make("span", { class: "doubt", text: " ⚠", "aria-hidden": "true" }) : null;
     const about2 = [param.name, param.meaning, doubted].filter(Boolean).join(": ");
@@ -4249,6 +4255,11 @@ var Params = class {
       make("td", { class: "soft unit", text: unitWords(unit), title: unit })
     );
   }
+  /** What a parameter is, below it. @param {Param} param */
+  meaning({ name, meaning: words3 }) {
+    if (!words3) return "";
+    return make("tr", {}, make("td", { class: "meaning soft", colspan: 4 }, words3, this.rows.get(name)?.apart ?? ""));
+  }
   /** @param {string} name */
   drag(name) {
     const row = this.rows.get(name);
@@ -4259,8 +4270,10 @@ var Params = class {
     this.deeds.drag({ [name]: value });
   }
 };
-function meaning({ meaning: words3 }) {
-  return words3 ? make("tr", {}, make("td", { class: "meaning soft", colspan: 4, text: words3 })) : "";
+function apart({ name, unit, value }) {
+  if (!name.endsWith(".P") || !(value > 0)) return "";
+  if (unit !== "rad") return unit === "m" ? `: every ${number(2e3 * Math.PI * value, 4)} mm` : "";
+  return `: ${number(1 / value, 4)} a turn, ${number(360 * value, 4)}° apart`;
 }
 function withoutName([first, ...rest], name) {
   return typeof first === "object" && "param" in first && first.param === name ? rest : [first, ...rest];
@@ -4337,12 +4350,15 @@ function sources(heard) {
     dialog2.showModal();
     told.textContent = "";
     byId("new-fault").hidden = true;
+    if (!known2) byId("new-doing").textContent = "looking for knobs and rigs …";
     try {
       known2 = /** @type {Sources} */
       await ask("sources");
     } catch (reason2) {
       told.textContent = wordsOf(reason2);
       return;
+    } finally {
+      byId("new-doing").textContent = "";
     }
     fill(form, "knob", known2.knobs.map(({ name, words: words3 }) => [name, words3]), "knob3");
     const { hideable } = known2.knobs[0];
@@ -4871,7 +4887,8 @@ var App = class {
   /** @param {unknown} reason */
   failed(reason2) {
     this.deed = null;
-    byId("said").textContent = wordsOf(reason2);
+    const words3 = wordsOf(reason2);
+    byId("said").textContent = this.state ? ofLimits(words3, aboutOf(this.state)) : words3;
     byId("said").classList.add("wrong");
   }
 };
