@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -56,3 +59,25 @@ def test_a_slow_hand_does_not_hide_how_the_torques_noise_falls(seed: int) -> Non
     fitted = kc.fit(kc.Capture.from_arrays(**columns, tau=torque + noise, rate_hz=rate))
     alone = kc.Capture.from_arrays(**columns, tau=noise, rate_hz=rate).prepare()
     assert fitted.noise_floor == pytest.approx(np.sqrt(np.mean(alone.tau[alone.used] ** 2)), rel=0.05)
+
+
+@pytest.mark.parametrize("gap", [False, True])
+def test_what_is_fast_and_mostly_filtered_off_is_no_floor_with_gaps_in_the_log_either(
+    gap: bool, tmp_path: Path
+) -> None:
+    """A gear that whines above the band: the torque's filter takes it off, so that it tells no noise below."""
+    clean = kc.simulate("knob3", "sweep", seed=4)
+    waves = np.fft.rfft(np.random.default_rng(4).standard_normal(clean.samples))
+    hz = np.fft.rfftfreq(clean.samples, 2e-4)
+    whine = np.fft.irfft(np.where((hz > 1300.0) & (hz < 2450.0), waves, 0.0), clean.samples)
+    columns = dict(clean.columns) | {"tau": clean.tau + 0.02 * whine}
+    there = np.ones(clean.samples, dtype=bool)
+    if gap:
+        there[9000:9400] = False
+    capture = kc.Capture.from_arrays(**{name: column[there] for name, column in columns.items()})
+    learned = kc.learn(capture, without=["backlash", "compliance"])
+    assert math.isnan(learned.noise_floor) and learned.verdict == "unexplained"
+    assert "more than noise is fast in the torque" in learned.fit.compare().summary
+    assert learned.rows()[-1][:2] == ("sensor noise alone", "unknown")
+    report = learned.report(tmp_path / "report.html").read_text("utf-8")
+    assert "more than noise is fast in the torque" in report and ">nan" not in report

@@ -304,7 +304,8 @@ class LearningResult(showing.Tabled):
                     _listed(", ", step.equivalent),
                 )
             )
-        return [*rows, ("sensor noise alone", f"{self.noise_floor:.4g}", "", "", "", "", "")]
+        noise = "unknown" if math.isnan(self.noise_floor) else f"{self.noise_floor:.4g}"
+        return [*rows, ("sensor noise alone", noise, "", "", "", "", "")]
 
     def __repr__(self) -> str:
         head = (self.head[0], "", *self.head[1:])

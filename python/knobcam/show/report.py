@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from .._core import __version__
 from ..base.writing import write as write_file
 from ..fit.refit import percent
+from ..fit.unheard import unheard
 from ..learn.contenders import untold
 from ..model.effects import effect as catalogued
 from .look_page import section
@@ -23,6 +24,7 @@ from .words import effect_word, param_word, sentence, unit_word, worded
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from ..fit import Fit
     from ..fit.diagnose import Diagnosis
     from ..learn import LearningResult
     from ..learn.ladder import LearningStep, Unexplained
@@ -223,13 +225,19 @@ def _unexplained(what: Unexplained) -> str:
     )
 
 
+def _noise(fit: Fit) -> str:
+    if math.isnan(fit.noise_floor):
+        return f"What the sensor's noise alone would leave is not known ({unheard(fit).why})"
+    return f"The sensor's noise alone would leave {fit.noise_floor:.4g} {fit.torque_unit}"
+
+
 def _sure(learned: LearningResult) -> str:
     fit = learned.fit
     unit = fit.torque_unit
     parts = [
         paragraph(
-            f"The sensor's noise alone would leave {fit.noise_floor:.4g} {unit}; the last model leaves "
-            f"{fit.rmse:.4g} {unit}, and {fit.rmse_heldout:.4g} {unit} on blocks that the fit did not see."
+            f"{_noise(fit)}; the last model leaves {fit.rmse:.4g} {unit}, and {fit.rmse_heldout:.4g} {unit} "
+            "on blocks that the fit did not see."
         )
     ]
     said = [*fit.warnings]

@@ -160,8 +160,9 @@ pub(super) fn measured(signals: &Signals, rest: &[f64]) -> Vec<f64> {
 /// Its mean square where samples count, (N m)^2.
 pub(super) fn left(signals: &Signals, rest: &[f64]) -> f64 {
     let rest = measured(signals, rest);
-    let squares: f64 = rest.iter().zip(&signals.weight).map(|(rest, weight)| weight * rest * rest).sum();
-    squares / signals.used().max(1) as f64
+    // Between segments there is no rest: it is NaN.
+    let counted = rest.iter().zip(&signals.weight).filter(|(_, weight)| **weight > 0.0);
+    counted.map(|(rest, weight)| weight * rest * rest).sum::<f64>() / signals.used().max(1) as f64
 }
 
 /// The least that noise which leaves so much, of so many rows of which some are `alike`, surely leaves.

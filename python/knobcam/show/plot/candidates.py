@@ -39,7 +39,7 @@ def draw_candidates(axes: Axes, diagnosis: Diagnosis) -> None:
     candidates, fit = diagnosis.candidates, diagnosis.fit
     falls = [100.0 * one.error_fall for one in candidates]
     # What noise leaves cannot be taken away; without a noise floor nothing is known to be there to gain.
-    gain = 100.0 * (1.0 - fit.noise_floor / fit.rmse) if fit.rmse > 0.0 else 0.0
+    gain = 100.0 * (1.0 - fit.noise_floor / fit.rmse) if fit.noise_floor <= fit.rmse > 0.0 else 0.0
     top = max([gain, *falls, 1.0])
     left = min([*falls, 0.0]) - 0.16 * top
     axes.set_xlim(left, 1.35 * top)
@@ -90,13 +90,14 @@ def draw_candidates(axes: Axes, diagnosis: Diagnosis) -> None:
     axes.tick_params(axis="y", length=0)
     axes.set_xlabel("the RMS error falls by (%)")
     title = "What was weighed; solid: could be missing" if found else "No effect that could be missing"
+    title = title if fit.noise_floor > 0.0 else "What was weighed; whether by chance is not known"
     legend_below(axes, title, _COLUMNS)
 
 
 def _words(one: Candidate) -> str:
-    said = p_word(one.p_value, ".2g")
+    said = "" if one.word == "untold" else p_word(one.p_value, ".2g")
     if one.implausible:
-        said += "   implausible"
+        said = f"{said}   implausible".strip()
     return said
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .failures import bin_means, head_of, line_spectrum
+from .failures import bin_means, head_of, line_spectrum, no_more
 from .ladder import title
 from .style import BLACK, WRONG, Picture, Scale, styled, torque_scale
 
@@ -33,7 +33,8 @@ def before_after(learned: LearningResult) -> Picture:
 def draw_change(figure: Figure, cell: SubplotSpec, learned: LearningResult) -> None:
     """Draw the two residuals on the same scales, the first above the last; one if nothing was added."""
     worst = learned.before.worst
-    axis = worst.axis if worst is not None else "position"
+    left = learned.unexplained.axis if learned.unexplained is not None else "position"
+    axis = worst.axis if worst is not None else left
     splits = {"First model": learned.before[axis], "Last model": learned.after[axis]}
     if len(learned.ladder) == 1:
         splits = {"Residual": learned.after[axis]}
@@ -43,7 +44,7 @@ def draw_change(figure: Figure, cell: SubplotSpec, learned: LearningResult) -> N
     first = None
     for row, (name, split) in enumerate(splits.items()):
         axes = figure.add_subplot(rows[row], sharex=first, sharey=first)
-        says = f"{100.0 * split.share:.0f} % of the excess" if split.fails else "chance"
+        says = f"{100.0 * split.share:.0f} % of the excess" if split.fails else no_more(split)
         draw_residual(axes, split, scale, f"{name}: {says}", row == len(splits) - 1)
         if first is not None and (legend := axes.get_legend()) is not None:
             legend.remove()  # the panel above has the same

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 
 from ..words import unit_word
 from .style import (
@@ -59,26 +60,42 @@ def comparison(comparison: Comparison) -> Picture:
 
 
 def shares(axes: Axes, comparison: Comparison) -> None:
-    """Draw the shares of all axes as bars, with the share that chance stays below."""
-    splits = comparison.splits[::-1]
+    """Draw the shares of all axes as bars, with the share that chance stays below.
+
+    Where the noise is not known they are of the whole error, and chance is none of them.
+    """
+    known = comparison.fit.noise_floor > 0.0
+    splits = [one for one in comparison.splits[::-1] if known or one.axis != "frequency"]
     rows = range(len(splits))
     colors = [WRONG if s is comparison.worst else BACKWARD if s.fails else PALE for s in splits]
-    axes.barh(rows, [100.0 * s.share for s in splits], height=0.62, color=colors)
-    for row, split in zip(rows, splits, strict=True):
+    bars = [100.0 * (s.share if known else s.mean_share) for s in splits]
+    axes.barh(rows, bars, height=0.62, color=colors)
+    for row, (split, bar) in enumerate(zip(splits, bars, strict=True)):
+        if not known:
+            axes.text(bar + 1.5, row, f"{bar:.0f} %", va="center", color=BLACK)
+            continue
         chance = 100.0 * split.chance
         axes.plot([chance, chance], [row - 0.4, row + 0.4], color=BLACK, lw=1.2)
-        says, color = (f"{100.0 * split.share:.0f} %", BLACK) if split.fails else ("chance", GREY)
+        says, color = (f"{100.0 * split.share:.0f} %", BLACK) if split.fails else (no_more(split), GREY)
         right = 100.0 * float(np.nan_to_num(max(split.share, split.chance)))
         axes.text(right + 1.5, row, says, va="center", color=color)
     axes.set_yticks(rows, [s.axis for s in splits])
     axes.set_xlim(0.0, 112.0)
     axes.set_xticks([0, 25, 50, 75, 100])
     axes.grid(visible=False, axis="y")
-    axes.set_xlabel("share of the error beyond noise (%); black: chance stays below")
+    told = "share of the error beyond noise (%); black: chance stays below"
+    axes.set_xlabel(told if known else "share of the squared error (%), noise and all")
     axes.set_title(plain(_verdict(comparison)), fontweight="bold")
 
 
+def no_more(split: Split) -> str:
+    """Return what is said of an axis that does not fail."""
+    return "noise not known" if np.isnan(split.share) else "no more than chance"
+
+
 def _verdict(comparison: Comparison) -> str:
+    if not comparison.fit.noise_floor > 0.0:
+        return "The noise is not known" + ("" if (at := comparison.worst) is None else f"; most along {at.axis}")
     times = comparison.fit.rmse / comparison.fit.noise_floor
     if comparison.complete:
         return f"Chance explains the rest ({times:.2f} × noise)"
@@ -124,21 +141,30 @@ def bin_means(axes: Axes, split: Split, scale: Scale) -> None:
 def line_spectrum(axes: Axes, split: Split, scale: Scale) -> None:
     """Draw the RMS residual per frequency bin and the level that chance stays below."""
     middle = 0.5 * (split.low + split.high)
-    shown = (middle > 0.0) & (split.band > 1e-3 * float(np.max(split.band, initial=0.0)))
-    floor = 0.02 * float(np.median(split.band[shown])) if shown.any() else 0.0
+    shown = lines_shown(split)
+    usual = split.band if split.band.any() else split.mean
+    floor = 0.02 * float(np.median(usual[shown])) if shown.any() else 0.0
     level = np.maximum(split.mean[shown], floor) * scale.factor
     band = split.band[shown] * scale.factor
-    axes.fill_between(middle[shown], floor * scale.factor, band, color=BAND, alpha=0.45, lw=0)
+    if split.band.any():
+        axes.fill_between(middle[shown], floor * scale.factor, band, color=BAND, alpha=0.45, lw=0)
     axes.plot(middle[shown], level, color=BLACK, lw=0.7)
     if split.fails:
         for region in split.regions:
             axes.axvspan(
                 max(region.start, middle[1] / 2), region.end, color=WRONG, alpha=0.3, lw=0, zorder=0.4
             )
-    axes.set(xscale="log", yscale="log")
     axes.set_ylabel(f"RMS per bin ({scale.unit})")
     if shown.any():
+        axes.set(xscale="log", yscale="log")
         axes.set_xlim(float(middle[shown][0]), float(middle[shown][-1]))
+
+
+def lines_shown(split: Split) -> npt.NDArray[np.bool_]:
+    """Return which frequencies pass the measurement filter; where the noise is not known, which have any."""
+    there = split.band > 1e-3 * float(np.max(split.band)) if split.band.any() else split.mean > 0.0
+    shown: npt.NDArray[np.bool_] = there & (split.low + split.high > 0.0)
+    return shown
 
 
 def head_of(split: Split, scale: Scale) -> str:
@@ -148,7 +174,7 @@ def head_of(split: Split, scale: Scale) -> str:
 
 
 def _head(axes: Axes, split: Split, scale: Scale, worst: bool) -> None:
-    share = f"{100.0 * split.share:.0f} % of the excess" if split.fails else "no more than chance"
+    share = f"{100.0 * split.share:.0f} % of the excess" if split.fails else no_more(split)
     weight = "bold" if worst else "normal"
     axes.set_title(f"{split.axis}: {share}", color=WRONG if split.fails else BLACK, fontweight=weight)
     axes.set_xlabel(head_of(split, scale))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...errors import InputError
+from .failures import lines_shown
 from .style import BAND, BLUE, GREY, RAW, VERMILLION, Picture, legend_above, styled, torque_scale
 from .torques import headline, residual_over_time
 
@@ -39,11 +40,13 @@ def residual(fit: Fit) -> Picture:
     legend_above(left)
     spectrum = fit.compare()["frequency"]
     hz = 0.5 * (spectrum.low + spectrum.high)
-    shown = (hz > 0.0) & (spectrum.band > 1e-3 * float(np.max(spectrum.band, initial=0.0)))
-    right.loglog(hz[shown], spectrum.mean[shown] * scale.factor, color=RAW, lw=0.8, label="residual")
-    right.loglog(
-        hz[shown], spectrum.band[shown] * scale.factor, color=BLUE, lw=1.5, label="95 % of noise below"
-    )
+    shown = lines_shown(spectrum)
+    right.plot(hz[shown], spectrum.mean[shown] * scale.factor, color=RAW, lw=0.8, label="residual")
+    if spectrum.band.any():
+        noise = spectrum.band[shown] * scale.factor
+        right.plot(hz[shown], noise, color=BLUE, lw=1.5, label="95 % of noise below")
+    if shown.any():
+        right.set(xscale="log", yscale="log")
     right.set_title("Spectrum")
     right.set_xlabel("frequency (Hz)")
     right.set_ylabel(f"RMS per bin ({scale.unit})")

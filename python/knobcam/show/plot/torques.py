@@ -93,8 +93,8 @@ def headline(fit: Fit) -> str:
     scale = torque_scale(fit.model.torque_unit, _peak(fit))
     more = f" and {len(fit.prepared) - 1} more" if len(fit.prepared) > 1 else ""
     rmse, floor = fit.rmse * scale.factor, fit.noise_floor * scale.factor
-    error = f"RMS error {rmse:.3g} {scale.unit}, sensor noise alone {floor:.3g} {scale.unit}"
-    return f"{source_of(first)}{more}\n{error}"
+    noise = "unknown" if np.isnan(floor) else f"alone {floor:.3g} {scale.unit}"
+    return f"{source_of(first)}{more}\nRMS error {rmse:.3g} {scale.unit}, sensor noise {noise}"
 
 
 def residual_over_time(axes: Axes, fit: Fit) -> None:
