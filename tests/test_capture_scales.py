@@ -16,6 +16,7 @@ UNITS = [
     (180.0 / math.pi, "degrees"),
     (60.0 / (2.0 * math.pi), "rpm"),
     (1.0 / (2.0 * math.pi), "turns"),
+    (0.0985, "tens"),
     (-1.0, "sign"),
     (3.3, "check the units"),
 ]
@@ -43,6 +44,11 @@ def test_of_two_columns_that_contradict_each_other_either_may_be_wrong(factor: f
     assert (finding.column, finding.severity) == ("omega", "warning")
     assert np.array_equal(capture.columns["omega"], recording().columns["omega"] * factor)
     assert "to be mended first" in kc.learn(capture).headline
+
+
+def test_an_angle_is_not_taken_for_a_speed() -> None:
+    capture = recording(omega=recording().columns["omega"] * 0.0985, alpha=None)
+    assert "may be in tens where rad/s" in only(capture).message
 
 
 def test_an_angle_in_degrees_is_seen_by_both_derivatives() -> None:

@@ -267,6 +267,19 @@ def test_what_a_motion_does_not_show_is_told_from_its_speeds(monkeypatch):
     assert unknown is not None and unknown.record == "listen"
 
 
+def test_what_returns_less_than_once_a_turn_is_no_detent(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(limitations, "travel", lambda prepared: 2.7)
+
+    def asked(period: float | None, coordinate: str) -> str | None:
+        fit = SimpleNamespace(prepared=(), model=SimpleNamespace(period=period, coordinate=coordinate))
+        found = limitations.width(fit)
+        return None if found is None else found.record
+
+    assert asked(0.75, "rotary") == "turn through at least 9.4 rad"
+    assert asked(13.9, "rotary") is None and asked(None, "rotary") is None
+    assert asked(13.9, "linear") == "turn through at least 1.7e+02 m"
+
+
 def candidate(effect: str, gain: float, count: int, value: float = 1.0, **more: Any) -> Any:
     fit = SimpleNamespace(
         params={"viscous.pos": estimate(value, 0.1), "detent.S": estimate(value, 0.1, unit="rad")}

@@ -325,3 +325,10 @@ def test_what_was_taken_is_printed_and_kept(tmp_path: Path) -> None:
 )
 def test_a_name_of_a_damaged_file_is_not_read_for_minutes(name: str) -> None:
     assert read_label(name).quantity is None
+
+
+def test_the_letters_of_a_slide_are_asked_for_as_such(tmp_path: Path) -> None:
+    path = log(tmp_path, "t,x,v,a,F,F_fric", T, THETA, OMEGA, -49.0 * THETA, TAU, TAU)
+    with pytest.raises(InputError) as asked:
+        kc.load(path)
+    assert "t=t, theta=x [m], omega=v [m/s], alpha=a [m/s^2], tau=F [N]" in str(asked.value)

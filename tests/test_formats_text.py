@@ -108,9 +108,44 @@ def test_a_column_that_ends_early_has_another_length(tmp_path: Path) -> None:
         load(path)
 
 
-def test_two_columns_of_one_name_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"two columns are called 'a' \(1 and 3\)"):
-        table(tmp_path, "a,b,a\n1,2,3\n")
+def test_of_columns_of_one_name_none_is_meant_by_it(tmp_path: Path) -> None:
+    several = as_lists(table(tmp_path, "a,b,a\n1,2,3\n"))
+    assert several == {"a #1": [1.0], "b": [2.0], "a #3": [3.0]}
+    assert list(as_lists(table(tmp_path, "a,a #2,a\n1,2,3\n"))) == ["a #1", "a #2", "a #3"]
+    assert len(as_lists(table(tmp_path, "a,a #3,a\n1,2,3\n"))) == 3
+    path = tmp_path / "run.csv"
+    path.write_text("t_s,theta_rad,theta_rad,tau_Nm\n0,0,1,0\n1,1,2,0\n")
+    with pytest.raises(InputError, match="theta_rad #2"):
+        load(path)
+
+
+def test_a_table_without_names_that_lies_on_its_side_is_turned(tmp_path: Path) -> None:
+    upright = np.random.default_rng(1).standard_normal((40, 3))
+    text = "\n".join(",".join(map(str, row)) for row in upright.T)
+    read = table(tmp_path, text)
+    assert list(read.columns) == ["c0", "c1", "c2"]
+    assert np.array_equal(np.column_stack(list(read.columns.values())), upright)
+    wide = table(tmp_path, "\n".join(",".join(map(str, row)) for row in upright.T[:, :29]))
+    assert len(wide.columns) == 29, "three rows of so many are short, and may be meant"
+
+
+TITLES = ["Axis1", "Number of samples,3", "Interval (ms),0.667"]
+
+
+@pytest.mark.parametrize("names", [["a,b,c"], ["Time,Analog 1,Analog 2", "a,b,c"], ["a,b,c", "s,,rad"]])
+def test_titles_above_a_table_are_none_of_it(tmp_path: Path, names: list[str]) -> None:
+    rows = [f"{row},{2 * row},{3 * row}" for row in range(5)]
+    read = table(tmp_path, "\n".join([*TITLES, *names, *rows]))
+    wanted = ["a [s]", "b", "c [rad]"] if "s,,rad" in names else ["a", "b", "c"]
+    assert list(read.columns) == wanted
+    assert [values.tolist() for values in read.columns.values()] == [
+        [float(times * row) for row in range(5)] for times in (1, 2, 3)
+    ]
+
+
+def test_a_table_of_other_widths_than_its_first_line_is_none_for_its_last_two_rows(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="row 3 has 3 cells, the first line has 2"):
+        table(tmp_path, "a,b\n1,2\n3,4\n5,6,7\n8,9,0\n")
 
 
 def test_a_table_that_is_wider_than_any_log_is_refused_in_seconds(tmp_path: Path) -> None:

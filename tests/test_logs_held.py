@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import zlib
 from functools import cache
+from pathlib import Path
 
 import hidden
 import numpy as np
@@ -185,3 +186,65 @@ def test_a_reversed_torque_is_told_beside_a_spring(motion: str) -> None:
     upright, reversed_ = kc.fit(capture(columns)), kc.fit(capture(columns | {"tau_Nm": -columns["tau_Nm"]}))
     assert upright.log_fault is None
     assert reversed_.log_fault is not None and "other sign" in reversed_.log_fault
+
+
+def held_log(folder: Path, every: int, jitter: int = 0) -> Path:
+    """A log that is written `every` rows for each reading of the machine, or so many more or fewer."""
+    columns = knob().capture
+    rng = np.random.default_rng(SEED)
+    length = len(columns["t_s"])
+    reads = np.cumsum(every + rng.integers(-jitter, jitter + 1, length // every))
+    last = np.concatenate(([0], reads[reads < length]))[
+        np.searchsorted(reads, np.arange(length), side="right").clip(max=np.sum(reads < length))
+    ]
+    path = folder / "held.npz"
+    np.savez(path, **{name: at if name == "t_s" else at[last] for name, at in columns.items()})
+    return path
+
+
+@pytest.mark.parametrize(("every", "jitter"), [(2, 0), (5, 0), (5, 1)])
+def test_a_log_written_more_often_than_the_machine_was_read_is_taken_as_it_was_read(
+    tmp_path: Path, every: int, jitter: int
+) -> None:
+    log = kc.load(held_log(tmp_path, every, jitter))
+    (found,) = [one for one in log.findings if one.kind == "held"]
+    assert (found.column, found.severity) == ("t", "mended")
+    assert log.samples == pytest.approx(30_000 / every, rel=0.02) and log.mask.mean() > 0.95
+    assert log.rate_hz == pytest.approx(5000.0 / every, rel=0.02)
+    fit = kc.fit(log)
+    assert off(fit) < 0.02 and fit.compare().complete
+
+
+def test_who_says_that_rows_that_repeat_were_measured_keeps_them(tmp_path: Path) -> None:
+    log = kc.load(held_log(tmp_path, 5), overrule=["held:t"])
+    assert log.samples == 30_000 and any(one.key == "held:t" and one.overruled for one in log.findings)
+
+
+def test_a_knob_at_rest_repeats_what_it_says(tmp_path: Path) -> None:
+    """Its motor off, half of the time: these rows were measured, and stay."""
+    columns = {name: values.copy() for name, values in knob("turns").capture.items()}
+    rest = np.zeros(len(columns["t_s"]), dtype=bool)
+    for start in range(1000, 28_000, 6000):
+        rest[start : start + 3500] = True
+    for name, values in columns.items():
+        if name != "t_s":
+            values[rest] = 0.0 if name != "theta_rad" else values[999]
+    path = tmp_path / "rests.npz"
+    np.savez(path, **columns)
+    log = kc.load(path)
+    assert log.samples == 30_000 and not [one for one in log.findings if one.key == "held:t"]
+
+
+def test_a_machine_asked_at_other_times_than_it_reads_has_lost_no_rows() -> None:
+    """It repeats a reading here and skips one there: the clock of the log was right."""
+    columns = {name: values.copy() for name, values in knob().capture.items()}
+    length = len(columns["t_s"])
+    rng = np.random.default_rng(SEED)
+    asked = np.floor(
+        np.arange(length) + 0.5 + 0.05 * rng.standard_normal(length) + 0.2 * np.sin(0.003 * np.arange(length))
+    )
+    late = rng.random(length) < 0.04
+    read = np.where(late, asked - 1, asked).astype(int).clip(0, length - 1)
+    log = capture({name: at if name == "t_s" else at[read] for name, at in columns.items()})
+    assert not [one for one in log.findings if one.kind == "lost"]
+    assert log.t[-1] == columns["t_s"][-1]

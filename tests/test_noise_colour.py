@@ -65,7 +65,7 @@ def test_a_slow_hand_does_not_hide_how_the_torques_noise_falls(seed: int) -> Non
 def test_what_is_fast_and_mostly_filtered_off_is_no_floor_with_gaps_in_the_log_either(
     gap: bool, tmp_path: Path
 ) -> None:
-    """A gear that whines above the band: the torque's filter takes it off, so that it tells no noise below."""
+    """A gear that whines above the band: the filter takes it off, so that it tells no noise below."""
     clean = kc.simulate("knob3", "sweep", seed=4)
     waves = np.fft.rfft(np.random.default_rng(4).standard_normal(clean.samples))
     hz = np.fft.rfftfreq(clean.samples, 2e-4)

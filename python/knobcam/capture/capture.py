@@ -329,7 +329,9 @@ def of_table(file: Path, table: Table, reading: Reading = PLAIN) -> Capture:
     columns = resolved.columns
     if "t" not in columns and rate_hz is None:
         raise InputError(f"{file}: {NO_CLOCK}; the file has {table.listing()}")
-    keep = reading.kept(str(file), columns)
+    beside = Ruled(reading.overrule)
+    beside.lets((*table.notes, *resolved.notes))
+    keep = reading.kept(str(file), columns, beside if native is None else None)
     rows = np.arange(1, len(columns["theta"]) + 1)
     if table.meta is not None:
         meta = dict(table.meta)
@@ -340,9 +342,8 @@ def of_table(file: Path, table: Table, reading: Reading = PLAIN) -> Capture:
     if rows[keep][0] > 1:
         meta = {**meta, "first_row": int(rows[keep][0])}
     part = {name: values[keep] for name, values in columns.items()}
-    torque_unit = resolved.torque_unit
     checked_as = (limit, rate_hz, meta, rows[keep], str(file), reading.overrule)
-    capture = _checked(part, resolved.coordinate, torque_unit, *checked_as)
+    capture = _checked(part, resolved.coordinate, resolved.torque_unit, *checked_as)
     if native is not None:
         untouched = isinstance(keep, slice) and native.get("sha256") == document.digest(columns)
         capture = saved.restored(capture, native, table, keep, untouched)
@@ -355,13 +356,11 @@ def of_table(file: Path, table: Table, reading: Reading = PLAIN) -> Capture:
     clipped = ruled.masks(clipped, found, rows[keep])
     # Who states a unit, or computes with the column, knows what it is in; a motor is faster than hands.
     taken = {name for name, entry in resolved.entries.items() if entry.unit is None and entry.plain}
-    sizes = [] if torque_unit else check_size(capture.columns, capture.mask, capture.coordinate, taken)
-    ruled.lets(sizes)
-    beside = Ruled(reading.overrule)
-    beside.lets((*table.notes, *resolved.notes))
+    if not resolved.torque_unit:
+        ruled.lets(check_size(capture.columns, capture.mask, capture.coordinate, taken))
     said = (*beside.findings, *capture.findings, *ruled.findings)
-    whole = replace(capture, mask=capture.mask & ~clipped, findings=said)
-    return whole._overruled(str(file), reading.overrule)
+    capture = replace(capture, mask=capture.mask & ~clipped, findings=said)
+    return capture._overruled(str(file), reading.overrule)
 
 
 def _checked(

@@ -13,6 +13,7 @@ from .capture import of_table
 from .formats.columnmap import parse_map
 from .formats.expression import evaluate
 from .formats.resolve import resolve
+from .quality.ruled import Ruled
 
 if TYPE_CHECKING:
     import os
@@ -60,7 +61,7 @@ class Formula:
             capture = of_table(file, self._with(self._constants), reading)
         self.capture = capture
         columns = resolve(self._with(self._constants), column_map, self._coordinate).columns
-        self._keep = reading.kept(str(file), columns)
+        self._keep = reading.kept(str(file), columns, Ruled(reading.overrule))
         if unknown_speed:
             signals = self.capture.prepare()
             speed = np.full(len(columns["theta"]), np.nan)

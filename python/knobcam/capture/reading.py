@@ -5,8 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from .formats import DEFAULT_MAX_BYTES, read_table
 from .formats.clock import between
+from .quality.held import read_apart
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -15,6 +18,7 @@ if TYPE_CHECKING:
     from .formats import Table
     from .formats.columnmap import ColumnMap
     from .formats.units import Coordinate
+    from .quality.ruled import Ruled
     from .quality.torque import Limit
 
 
@@ -36,9 +40,16 @@ class Reading:
         """Return the content of a file."""
         return read_table(file, self.max_bytes, self.joint)
 
-    def kept(self, source: str, columns: dict[str, FloatArray]) -> slice | BoolArray:
-        """Return the samples from `start` to `end`."""
-        return between(source, columns, self.rate_hz, self.start, self.end)
+    def kept(
+        self, source: str, columns: dict[str, FloatArray], ruled: Ruled | None = None
+    ) -> slice | BoolArray:
+        """Return the samples from `start` to `end`; beside findings, of held rows those that were read."""
+        keep = between(source, columns, self.rate_hz, self.start, self.end)
+        if ruled is None or self.rate_hz is not None:
+            return keep
+        rows = np.arange(1, len(columns["theta"]) + 1)
+        read = read_apart({name: values[keep] for name, values in columns.items()}, rows[keep], ruled)
+        return keep if read.all() else np.isin(rows, rows[keep][read])
 
 
 PLAIN = Reading()

@@ -148,11 +148,13 @@ def width(fit: Fit) -> Limitation | None:
     """Return what a motion within less than one detent cannot tell."""
     wide = travel(fit.prepared)
     period = fit.model.period
-    unit = "rad" if fit.model.coordinate == "rotary" else "m"
-    if period is not None:
+    rotary = fit.model.coordinate == "rotary"
+    unit = "rad" if rotary else "m"
+    # What comes less than once a turn is no detent: a term that went astray.
+    if period is not None and not (rotary and abs(period) > 1.0):
         needed = 2.0 * math.pi * abs(period)
     else:
-        needed = _SMALL_TURN_RAD if fit.model.coordinate == "rotary" else 0.0
+        needed = _SMALL_TURN_RAD if rotary else 0.0
     if wide >= needed:
         return None
     return Limitation(

@@ -30,6 +30,8 @@ _COMPARED = 20  # columns, each with each
 _MOST_NAMES = 1000  # of columns: what has more is no log
 PLACEHOLDER = "COUNTS"
 """Stands in a map that a message shows for a number that no log says: the counts of a turn."""
+_SLIDE = {"theta": ("x", "m"), "omega": ("v", "m/s"), "alpha": ("a", "m/s^2"), "tau": ("F", "N")}
+"""Letters that a linear axis has in textbooks; that they are meant so is for the user to say."""
 _SIMPLE_NAME = re.compile(r"[A-Za-z_][\w.]*")
 
 
@@ -133,6 +135,10 @@ def by_content(table: Table) -> dict[str, Entry]:
     clock = clock or next((name for name in names if _advances(table.columns[name])), None)
     others = [name for name in names if name != clock]
     entries = {} if clock is None else {"t": Entry(f"`{clock}`", read_label(clock).unit)}
+    if {"x", "F"} <= set(others):
+        return entries | {
+            name: Entry(f"`{one}`", unit) for name, (one, unit) in _SLIDE.items() if one in others
+        }
     if others:
         # What was asked of the axis stands beside what it did, and is the smoother of the two.
         few = others[:_COMPARED]

@@ -7,6 +7,7 @@ import io
 import json
 import re
 from array import array
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from datetime import UTC, datetime
 from itertools import islice
@@ -25,6 +26,9 @@ _DOCUMENT = "# knobcam:"
 _LONGEST = 2**22  # bytes of a row
 _CHUNK = 2000  # lines
 _MOST_COMMENTS = 10_000  # above the first row
+_TITLES = 100  # lines within which a table begins
+_ROWS = 3  # of numbers, below which it is none
+_SIDEWAYS = 10  # times as many columns as rows, from which on a table lies on its side
 _HEAD = 4096
 _UTF16 = (b"\xff\xfe", b"\xfe\xff")
 _NAME = re.compile(r"[A-Za-z_]\w*:")
@@ -34,7 +38,8 @@ _CLOCK = re.compile(r"(\d{1,2}):(\d{2}):(\d{2}(?:\.\d+)?)")
 def read_text(kind: str, stream: IO[bytes], budget: Budget) -> Table:
     """Return the table in a text: delimiter , ; tab or blanks, with or without a header, # or % comments.
 
-    Units may stand in a line below the header, names at each number; dates and times of the day become s.
+    Titles may stand above it, in lines of other widths; units in a line below the header, names at each
+    number; dates and times of the day become s.
     A blank cell is NaN; blank cells down to the last row end the column early. Row numbers in messages count
     the rows of data, from 1. The text is read twice, and never held.
     """
@@ -62,6 +67,7 @@ def _read_lines(kind: str, lines: TextIO, count: int, budget: Budget) -> Table:
     start, first = _next_line(source, lines, comments)
     if not first:
         raise InputError(f"{source}: the file is empty; a capture has columns of samples")
+    start, first = _below_titles(source, lines, start, first)
     second_start, second = _next_line(source, lines, [])
     units = _units_below(first, second)
     if units:
@@ -80,7 +86,7 @@ def _read_lines(kind: str, lines: TextIO, count: int, budget: Budget) -> Table:
     if units:
         cells = [f"{cell} [{unit}]" if unit else cell for cell, unit in zip(cells, units, strict=True)]
     names = cells if has_header else named or _names_in_comment(comments, delimiter, len(cells))
-    names = _names(source, names or [""] * len(cells))
+    names = _names(names or [""] * len(cells))
     budget.numbers(count * len(names))
 
     def rows() -> Iterable[str]:
@@ -90,8 +96,18 @@ def _read_lines(kind: str, lines: TextIO, count: int, budget: Budget) -> Table:
         return (line.replace(",", ".") for line in lines) if decimal_comma else lines
 
     columns, broken = _numbers(source, names, rows, delimiter)
+    if not has_header and not broken and names == _names([""] * len(names)):
+        columns = _upright(columns)
     kind = TABS if kind == "CSV" and delimiter == "\t" and not has_header else kind
     return Table(source, kind, columns, broken, _document(source, comments))
+
+
+def _upright(columns: dict[str, FloatArray]) -> dict[str, FloatArray]:
+    """Return columns without names; of a table that lies on its side its rows."""
+    samples = min(map(len, columns.values()))
+    if samples < 2 or len(columns) < _SIDEWAYS * samples or len({*map(len, columns.values())}) > 1:
+        return columns
+    return {f"c{at}": row for at, row in enumerate(np.array([*columns.values()]).T.copy())}
 
 
 def write_text(columns: Mapping[str, FloatArray], document: Mapping[str, Any]) -> str:
@@ -113,6 +129,33 @@ def _next_line(source: str, lines: TextIO, comments: list[str]) -> tuple[int, st
         comments.append(line)
         start = lines.tell()
     return start, ""
+
+
+def _below_titles(source: str, lines: TextIO, start: int, first: str) -> tuple[int, str]:
+    """Return where the table begins, and its first line: below lines of other widths, as exports have above.
+
+    Of several lines of names the last one, unless it holds units. A table that begins at once stays so.
+    """
+    looked = [(start, first)]
+    while len(looked) < _TITLES and (following := _next_line(source, lines, []))[1]:
+        looked.append(following)
+    delimiter = _delimiter(looked[-1][1])
+    rows = [_cells(line, delimiter) for _, line in looked]
+    at = len(rows)
+    while at > 0 and len(rows[at - 1]) == len(rows[-1]) > 1:
+        at -= 1
+    numbers = next((row for row in range(at, len(rows)) if all(map(_is_value, rows[row]))), len(rows))
+    if at > 0 and len(rows) - numbers >= _ROWS:
+        above = max(at, numbers - 1)
+        units = above > at and _units_below(looked[above - 1][1], looked[above][1])
+        start, first = looked[above - 1 if units else above]
+    lines.seek(start)
+    lines.readline()
+    return start, first
+
+
+def _is_value(cell: str) -> bool:
+    return not cell or _is_number(cell.replace(",", ".")) or _moment(cell) is not None
 
 
 def _skipped(line: str) -> bool:
@@ -181,15 +224,11 @@ def _names_in_comment(comments: list[str], delimiter: str | None, width: int) ->
     return names if len(names) == width and all(name.isidentifier() for name in names) else None
 
 
-def _names(source: str, cells: list[str]) -> list[str]:
+def _names(cells: list[str]) -> list[str]:
+    """Return what columns are called: of several of one name each by its place too, so that none is meant."""
     names = [cell or f"c{index}" for index, cell in enumerate(cells)]
-    places: dict[str, int] = {}
-    for index, name in enumerate(names):
-        if places.setdefault(name, index) != index:
-            raise InputError(
-                f"{source}: two columns are called {name!r} ({places[name] + 1} and {index + 1}); "
-                f"rename one in the header"
-            )
+    while (often := Counter(names)).most_common(1)[0][1] > 1:
+        names = [f"{name} #{place}" if often[name] > 1 else name for place, name in enumerate(names, 1)]
     return names
 
 

@@ -8,12 +8,14 @@ from ...base.arrays import BoolArray, FloatArray
 from ...base.said import OfColumn, said
 from ..finding import Finding, Rows, spans
 from .order import quantile
+from .ruled import Ruled
 
 _LEAST = 0.3  # of the rows that repeat, below which nothing is held
 _ALONE = 0.8  # of the steps that stand alone between repeats: a knob that moves and rests has them in a row
 _COARSE = 3.0  # smallest steps in the usual one, below which it is the counts of an encoder that are seen
 _FEWEST = 20  # steps
 _REGULAR = 0.8  # of the holds that are the usual one, above which all are
+_UNLIKE = 0.25  # of the usual hold, by which others differ where all columns are held together
 _REST = 3  # times the usual hold: longer is a rest, read once per hold
 
 
@@ -68,3 +70,35 @@ def check_held(columns: dict[str, FloatArray], usable: BoolArray, rows: Rows) ->
         )
         findings.append(Finding("held", name, len(at), spans(at), found, "mended"))
     return findings
+
+
+def read_apart(columns: dict[str, FloatArray], rows: Rows, ruled: Ruled) -> BoolArray:
+    """Return which rows are new readings where all columns are held together, else all of them.
+
+    A log that is written more often than the machine is read: at the rate of the readings nothing is lost.
+    """
+    others = np.vstack([values for name, values in columns.items() if name != "t"])
+    every = np.ones(len(rows), dtype=np.bool_)
+    with np.errstate(invalid="ignore"):
+        repeats = np.concatenate(([False], (np.diff(others) == 0.0).all(axis=0)))
+    fresh = np.flatnonzero(~repeats)
+    if len(fresh) < _FEWEST or len(fresh) > 0.5 * (len(repeats) + 1):
+        return every
+    lengths = np.diff(np.append(fresh, len(repeats)))
+    usual = round(quantile(lengths.astype(np.float64), 0.5))
+    # What chance or a rest repeats, it repeats for any while.
+    if usual < 2 or np.mean(np.abs(lengths - usual) <= max(1.0, _UNLIKE * usual)) < _REGULAR:
+        return every
+    since = np.arange(len(repeats)) - np.repeat(fresh, lengths)
+    read = since % usual == 0
+    # The last of the usual holds may be a row or a few longer.
+    read &= ~repeats | (np.repeat(lengths, lengths) - since > usual // 2)
+    found = said(
+        "{t}: {count} of {all} rows repeat the row before in every column, a new one comes every {every:.3g} "
+        "rows: the log was written more often than it was read; it is taken at the rate of the readings",
+        count=int(np.sum(~read)),
+        all=len(read),
+        every=len(read) / int(read.sum()),
+    )
+    finding = Finding("held", "t", int(np.sum(~read)), spans(rows[~read]), found, "mended")
+    return read if ruled.lets([finding]) else every

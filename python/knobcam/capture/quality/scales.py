@@ -18,16 +18,10 @@ AGREEMENT = (0.8, 1.25)
 _ORDERS = {"omega": 1, "alpha": 2}
 _DERIVATIVES = {"omega": "d {theta}/dt", "alpha": "d2 {theta}/dt2"}
 _CLOCKS = {1e3: "ms", 1e6: "us"}
-_FACTORS: dict[Coordinate, dict[float, str]] = {
-    "linear": {1e3: "thousandths", 1e6: "millionths"},
-    "rotary": {
-        1e3: "thousandths",
-        1e6: "millionths",
-        180 / math.pi: "degrees",
-        1 / (2 * math.pi): "turns",
-        60 / (2 * math.pi): "rpm",
-    },
-}
+_DECIMALS = {1e3: "thousandths", 1e6: "millionths"}
+_REGISTERS = {10.0: "tenths", 100.0: "hundredths", 0.1: "tens", 0.01: "hundreds"}  # as drives count
+_ANGLES = {180 / math.pi: "degrees", 1 / (2 * math.pi): "turns"}
+_RPM = 60 / (2 * math.pi)
 
 
 class _Sizes(NamedTuple):
@@ -153,13 +147,15 @@ def _likely(
     Where none does, return it with the advice to look.
     """
     unit = SI[coordinate][name]
+    units = _DECIMALS | (_ANGLES if coordinate == "rotary" else {})
+    own = units | _REGISTERS | ({_RPM: "rpm"} if coordinate == "rotary" else {})
     known = [
         (factor, said(f"the column may be in {word} where {unit} is expected"))
-        for factor, word in _FACTORS[coordinate].items()
+        for factor, word in own.items()
     ]
     known += [
         (1 / factor, said(f"{{theta}} may be in {word} where {SI[coordinate]['theta']} is expected"))
-        for factor, word in _FACTORS[coordinate].items()
+        for factor, word in units.items()
         if theta_too
     ]
     factor, reason = min(known, key=lambda pair: abs(math.log(pair[0] / times)))

@@ -34,6 +34,7 @@ _ALONE = 0.5  # of the leap there and back, that the steps beside it may be off
 _COUNTS = 1.5  # of an encoder, beyond which a step is not what its neighbours let expect
 _FAST = 1.25  # counts a row, from which each row has another
 _FEW = 3  # rows that repeat, fewer than which tell nothing unless the angle itself does
+_ASYNCHRONOUS = 0.5  # rows that repeat and do not catch up, to each that seems lost
 _WHOLE = 0.15  # a step of lost rows is a whole number of steps, to this share of one
 
 
@@ -153,6 +154,11 @@ def check_steps(
     between = np.append(ordinary[1:], True) & np.append(True, ordinary[:-1])
     lost = _lost(step, expected, noise, clear & ~follows & ~stale & between)
     lost[np.diff(t[index]) > 1.5 / rate_hz] = 0  # the clock says so itself
+    lost[_caught_up(step - expected, lost * expected)] = 0
+    # A machine that is asked at other times than it reads repeats a reading here and skips one there.
+    behind = np.sum(stale & (expected != 0.0) & ~_caught_up(step - expected, -expected))
+    if behind >= _ASYNCHRONOUS * lost.sum():
+        lost[:] = 0
     if lost.any():
         at, count = rows[index[:-1][lost > 0]], int(lost.sum())
         shift = np.zeros(len(t))
@@ -302,6 +308,16 @@ def _there_and_back(off: FloatArray, clear: float) -> BoolArray:
     beside = np.maximum(np.abs(np.append(0.0, off[:-2])), np.abs(np.append(off[2:], 0.0)))
     found: BoolArray = (leap > clear) & (beside < _ALONE * leap)
     return found & (np.abs(first + second) < 0.2 * np.abs(first - second))
+
+
+def _caught_up(off: FloatArray, gone: FloatArray) -> BoolArray:
+    """Which of the steps that are too long by what is `gone` are so by what steps near them are too short.
+
+    An angle that was read late for a row or two catches up; rows that are lost leave it further on.
+    """
+    net = np.convolve(off, np.ones(2 * REACH + 1), "same")
+    caught: BoolArray = net * np.sign(gone) < 0.5 * np.abs(gone)
+    return caught
 
 
 def _lost(step: FloatArray, expected: FloatArray, noise: float, clear: BoolArray) -> NDArray[np.int64]:

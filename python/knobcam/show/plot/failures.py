@@ -95,7 +95,9 @@ def no_more(split: Split) -> str:
 
 def _verdict(comparison: Comparison) -> str:
     if not comparison.fit.noise_floor > 0.0:
-        return "The noise is not known" + ("" if (at := comparison.worst) is None else f"; most along {at.axis}")
+        return "The noise is not known" + (
+            "" if (at := comparison.worst) is None else f"; most along {at.axis}"
+        )
     times = comparison.fit.rmse / comparison.fit.noise_floor
     if comparison.complete:
         return f"Chance explains the rest ({times:.2f} × noise)"
