@@ -248,3 +248,20 @@ def test_a_machine_asked_at_other_times_than_it_reads_has_lost_no_rows() -> None
     log = capture({name: at if name == "t_s" else at[read] for name, at in columns.items()})
     assert not [one for one in log.findings if one.kind == "lost"]
     assert log.t[-1] == columns["t_s"][-1]
+
+
+def test_a_torque_that_changes_fast_while_the_knob_sticks_was_measured() -> None:
+    """A joint at 100 Hz, its torque smoothed and read a little more seldom than it is logged."""
+    t = np.arange(4000) / 100.0
+    rests = np.zeros(len(t), dtype=bool)
+    for turn in (262, 826, 1389):  # where it turns back it stands for 0.4 s
+        rests[turn : turn + 40] = True
+    theta = np.sin(0.006 * np.cumsum(~rests))
+    tau = 0.4 * np.cos(0.006 * np.cumsum(~rests))
+    tau[rests] += np.tile(np.repeat(np.linspace(0.0, 0.5, 20), 2), 3)
+    for turn in (302, 866, 1429):
+        tau[turn : turn + 400] += 0.5 * np.cos(np.linspace(0.0, np.pi / 2.0, 400))
+    tau += 2e-5 * np.random.default_rng(SEED).standard_normal(len(t))
+    counts = np.round(theta / 1.5e-3) * 1.5e-3
+    log = kc.Capture.from_arrays(t=t, theta=counts, tau=tau)
+    assert not [one for one in log.findings if one.column == "tau" and one.severity == "masked"]

@@ -167,7 +167,7 @@ def test_what_an_effect_loses_on_unseen_blocks_speaks_against_it_where_it_is_mor
 def test_a_log_is_at_fault_by_its_findings_unless_they_were_mended():
     def of(*found: tuple[str, str]) -> Any:
         findings = [SimpleNamespace(kind=kind, severity=severity, message=kind) for kind, severity in found]
-        return (SimpleNamespace(capture=SimpleNamespace(findings=findings)),)
+        return (SimpleNamespace(findings=[], capture=SimpleNamespace(samples=9, findings=findings)),)
 
     assert plausible.columns_at_fault(of(("unit", "mended"), ("clipped", "warning"))) is None
     assert plausible.columns_at_fault(of(("clipped", "warning"), ("swapped", "warning"))) == "swapped"
@@ -343,3 +343,11 @@ def test_what_is_the_same_both_ways_is_that_of_the_rows_that_are_known() -> None
     # Of the way forward nothing is known: what is left has no constant that could be told.
     backward = plausible._without_constant(np.array([nan, nan, -1.0, -1.0]), omega)
     np.testing.assert_allclose(backward, [nan, nan, -1.0, -1.0])
+
+
+@pytest.mark.parametrize(("count", "several"), [(199, False), (200, True)])
+def test_an_angle_of_which_a_fifth_is_of_another_motion_tells_nothing(count: int, several: bool) -> None:
+    astray = SimpleNamespace(kind="spike", column="theta", count=count)
+    loud = SimpleNamespace(kind="spike", column="omega", count=900)
+    log = SimpleNamespace(findings=[astray, loud], capture=SimpleNamespace(samples=1000, findings=()))
+    assert ("split it" in (plausible.columns_at_fault([log]) or "")) == several

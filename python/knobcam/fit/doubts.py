@@ -49,7 +49,15 @@ def doubts(fit: Fit) -> tuple[str, ...]:
             "position: record a motion of more than one frequency"
         )
     found += [fit.ahead.message] if fit.ahead and fit.ahead.severity == "warning" else []
+    if astray(fit):
+        found.append("detent.P came out at less than one detent a turn, which is none: start without detents")
     return (*found, *_at_bounds(fit), *_back_emf(fit))
+
+
+def astray(fit: Fit) -> bool:
+    """Whether detents return less than once a turn: a term that went to where something else is."""
+    period = fit.model.period
+    return fit.model.coordinate == "rotary" and period is not None and abs(period) > 1.0
 
 
 def below_zero(fit: Fit) -> list[str]:

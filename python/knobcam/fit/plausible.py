@@ -9,7 +9,7 @@ import numpy as np
 
 from .. import _core
 from ..base.arrays import FloatArray
-from ..base.said import Advice, OfEffect, OfParam, Said, joined, number, said
+from ..base.said import Advice, OfColumn, OfEffect, OfParam, Said, joined, number, said
 from ..model.effects import base_effects, effects
 from .power import gives_back
 from .refit import cores
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 _FAULTS = ("unit", "sign", "contradiction", "swapped")
 """Findings with which, unless they were mended, no model of a log is one of the knob."""
 
+_ASTRAY = 0.2  # of an angle's readings that contradict the others, from which on it is no angle of one motion
 _STRAIGHT = 1e-3
 """A position this near to a straight line over time, of its range, has one velocity."""
 
@@ -162,7 +163,24 @@ def log_fault(fit: Fit) -> Said | None:
 def columns_at_fault(prepared: Sequence[Prepared]) -> Said | None:
     """Return what is wrong with the columns of a log, whatever the model; None where nothing is."""
     found = (finding for one in prepared for finding in one.capture.findings)
-    return next((one.message for one in found if one.kind in _FAULTS and one.severity == "warning"), None)
+    wrong = next((one.message for one in found if one.kind in _FAULTS and one.severity == "warning"), None)
+    return wrong or next(filter(None, map(_several, prepared)), None)
+
+
+def _several(one: Prepared) -> Said | None:
+    """Return that an angle is of no one motion; None where it is."""
+    astray = [
+        finding.count for finding in one.findings if (finding.kind, finding.column) == ("spike", "theta")
+    ]
+    if sum(astray) < _ASTRAY * one.capture.samples:
+        return None
+    return said(
+        "{theta}: {count} of {all} readings are of no motion beside the others, as where a log holds several "
+        "runs or joints; split it (--start, --end), or map another column",
+        theta=OfColumn("theta"),
+        count=sum(astray),
+        all=one.capture.samples,
+    )
 
 
 def one_velocity(prepared: Sequence[Prepared]) -> str | None:

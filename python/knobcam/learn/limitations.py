@@ -10,7 +10,7 @@ import numpy as np
 
 from ..capture.formats.units import SI
 from ..capture.prepare import travel
-from ..fit.doubts import at_floor
+from ..fit.doubts import astray, at_floor
 from ..fit.unheard import unheard
 from ..model.effects import base_effects
 
@@ -150,8 +150,7 @@ def width(fit: Fit) -> Limitation | None:
     period = fit.model.period
     rotary = fit.model.coordinate == "rotary"
     unit = "rad" if rotary else "m"
-    # What comes less than once a turn is no detent: a term that went astray.
-    if period is not None and not (rotary and abs(period) > 1.0):
+    if period is not None and not astray(fit):
         needed = 2.0 * math.pi * abs(period)
     else:
         needed = _SMALL_TURN_RAD if rotary else 0.0

@@ -23,6 +23,7 @@ _LOUDER = {
 _LONG = 12  # rows, below which it may be an impact
 _LONGEST = 500
 _WITHIN = 12  # rows between two loud ones of the same run
+_TURNS = 1.0 / 3.0  # of the rows at which what is anything turns back; white noise does at twice as many
 _MOST = 0.05  # of the rows: beyond that it is the torque that is like that
 _RUNS = 20
 _FELT = (2.0, 24.0)  # times its usual noise that a motion sensor has meanwhile, which then felt it,
@@ -102,9 +103,18 @@ def _loud(columns: dict[str, FloatArray], index: IntArray, noise: float) -> Bool
         return loud
     for run in noisy:
         first, end = max(0, int(run[0]) - _SPAN // 2 - 1), min(len(tau), int(run[-1]) + _SPAN // 2 + 2)
-        if not _felt(columns, index, first, end):
+        if _to_and_fro(tau[first:end]) and not _felt(columns, index, first, end):
             loud[first:end] = True
     return loud
+
+
+def _to_and_fro(values: FloatArray) -> bool:
+    """Whether values turn back at every second row or so, as noise does and no torque that changes fast.
+
+    By steps over two rows: of a reading that stands for two every second step is none.
+    """
+    steps = values[2:] - values[:-2]
+    return bool(np.mean(steps[2:] * steps[:-2] < 0.0) > _TURNS)
 
 
 def _felt(columns: dict[str, FloatArray], index: IntArray, first: int, end: int) -> bool:

@@ -61,8 +61,7 @@ def draw_ladder(axes: Axes, learned: LearningResult) -> None:
             _step(axes, row, learned, scale)
         else:
             axes.barh(0, step.rmse * scale.factor, height=0.6, color=GREY, lw=0)
-            right = scale.factor * max(step.rmse_ci95[1], step.rmse_heldout)
-            _say(axes, right, 0, f"{number(step.rmse * scale.factor)} {scale.unit}")
+            _say(axes, scale.factor * _right_of(step), 0, f"{number(step.rmse * scale.factor)} {scale.unit}")
         _whiskers(axes, step, row, scale, "error on unseen blocks" if row == 0 else "")
     _rest(axes, learned, len(steps), scale)
     if math.isfinite(learned.noise_floor):
@@ -97,7 +96,7 @@ def _step(axes: Axes, row: int, learned: LearningResult, scale: Scale) -> None:
         said += f"\nor {', '.join(others[:_NAMED])}" + (
             f" and {len(others) - _NAMED} more" if others[_NAMED:] else ""
         )
-    _say(axes, above.rmse * scale.factor, row, said)
+    _say(axes, scale.factor * max(above.rmse, _right_of(step)), row, said)
 
 
 def _rest(axes: Axes, learned: LearningResult, row: int, scale: Scale) -> None:
@@ -127,6 +126,11 @@ def _whiskers(axes: Axes, step: LearningStep, row: int, scale: Scale, label: str
     )
     unseen = step.rmse_heldout * scale.factor
     axes.plot([unseen], [row], "D", ms=4.5, color="white", mec=BLACK, mew=1.0, label=label or None)
+
+
+def _right_of(step: LearningStep) -> float:
+    """Where nothing of a step is drawn any more, N m."""
+    return max(one for one in (step.rmse, step.rmse_ci95[1], step.rmse_heldout) if math.isfinite(one))
 
 
 def _say(axes: Axes, right: float, row: int, text: str) -> None:
