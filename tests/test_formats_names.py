@@ -332,3 +332,11 @@ def test_the_letters_of_a_slide_are_asked_for_as_such(tmp_path: Path) -> None:
     with pytest.raises(InputError) as asked:
         kc.load(path)
     assert "t=t, theta=x [m], omega=v [m/s], alpha=a [m/s^2], tau=F [N]" in str(asked.value)
+
+
+def test_a_log_without_an_angle_is_told_how_to_make_one_of_its_speed(tmp_path: Path) -> None:
+    path = log(tmp_path, "t,motor_speed,tau", T, OMEGA, TAU)
+    with pytest.raises(InputError, match=re.escape("cumsum(motor_speed)/RATE, RATE in Hz")):
+        kc.load(path)
+    made = kc.load(path, map="t=t, theta=cumsum(motor_speed)/500, omega=motor_speed, tau=tau")
+    assert np.ptp(made.theta) == pytest.approx(np.ptp(THETA), rel=0.01)

@@ -224,6 +224,8 @@ def ask(table: Table, why: str, entries: dict[str, Entry]) -> InputError:
     if "tau" in entries and entries["tau"].unit is None:
         name = parts["tau"][0]
         notes.append(f"tau: in N m, or {name} [A] of a current, {name} [V] of a voltage")
+    if "theta" not in entries and "omega" in entries:
+        notes.append(f"theta: of a log without an angle cumsum({parts['omega'][0]})/RATE, RATE in Hz")
     constants = "; ".join(notes)
     # A shell runs what stands between backquotes, but not within single quotes.
     mark = "'" if "`" in shown and "'" not in shown else '"'
