@@ -85,6 +85,20 @@ impl Fit {
     }
 }
 
+/// Covariance of parameters, of an inverse on both sides of what residuals make of their columns.
+///
+/// Of columns that hardly differ rounding may be more than what is left, and a variance negative: none is that of a square.
+pub(super) fn sandwich(bread: &DMatrix<f64>, middle: &DMatrix<f64>) -> DMatrix<f64> {
+    let plain = bread * middle * bread;
+    match root(middle).filter(|_| plain.diagonal().iter().any(|variance| *variance <= 0.0)) {
+        Some(root) => {
+            let half = bread * root;
+            &half * half.transpose()
+        }
+        None => plain,
+    }
+}
+
 /// A matrix L with L L' = V, of parameters of any units.
 fn root(covariance: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let se: Vec<f64> = covariance.diagonal().iter().map(|x| x.max(0.0).sqrt()).collect();
@@ -139,6 +153,17 @@ mod tests {
         for (after, before) in own.standard_errors.iter().zip(right.standard_errors()) {
             assert!(*after > 0.0 && *after < before);
         }
+    }
+
+    #[test]
+    fn no_variance_is_negative_by_rounding() {
+        // Two columns that differ by less than rounding lets their inverse know.
+        let bread = DMatrix::from_row_slice(2, 2, &[1e16, -1e16, -1e16, 1e16 + 2.0]);
+        let middle = DMatrix::from_row_slice(2, 2, &[1.0, 1.0 + 2e-16, 1.0 + 2e-16, 1.0]);
+        assert!((&bread * &middle * &bread).diagonal().iter().any(|variance| *variance <= 0.0));
+        assert!(sandwich(&bread, &middle).diagonal().iter().all(|variance| *variance > 0.0));
+        let plain = DMatrix::from_row_slice(2, 2, &[2.0, 0.1, 0.1, 1.0]);
+        assert_eq!(sandwich(&plain, &middle), &plain * &middle * &plain);
     }
 
     #[test]

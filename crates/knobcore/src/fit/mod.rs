@@ -40,6 +40,7 @@ use crate::predict::Seeds;
 use crate::signals::Signals;
 use crate::special::Z95;
 use detents::{Judge, beginning, best_from_scan, scan_beside};
+use expected::sandwich;
 use held_out::held_out;
 use moments::{Blocks, used};
 use nalgebra::DMatrix;
@@ -304,7 +305,7 @@ fn finish(
             let middle =
                 DMatrix::from_fn(kept.len(), kept.len(), |i, j| meat.products[kept[i] * k + kept[j]]);
             let degrees = used / (used - kept.len() as f64);
-            let sandwich = &bread * &middle * &bread;
+            let sandwich = sandwich(&bread, &middle);
             let louder = louder(&blocks, &kept, &bread, every as f64);
             let by_parts = parts.map(|parts| parts.variances(&kept));
             // What is missing is no noise: what comes back of it adds to what noise with a memory does.
@@ -350,7 +351,8 @@ impl Fit {
     pub fn correlation(&self) -> DMatrix<f64> {
         let se = self.standard_errors();
         DMatrix::from_fn(se.len(), se.len(), |i, j| {
-            if i == j { 1.0 } else { self.covariance[(i, j)] / (se[i] * se[j]) }
+            let own = se[i] * se[j];
+            if i == j { 1.0 } else { (self.covariance[(i, j)] / own).clamp(-1.0, 1.0) }
         })
     }
 

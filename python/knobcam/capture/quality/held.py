@@ -79,7 +79,7 @@ def read_apart(columns: dict[str, FloatArray], rows: Rows, ruled: Ruled) -> Bool
     """
     others = np.vstack([values for name, values in columns.items() if name != "t"])
     every = np.ones(len(rows), dtype=np.bool_)
-    with np.errstate(invalid="ignore"):
+    with np.errstate(all="ignore"):  # nobody has looked yet at what the columns hold
         repeats = np.concatenate(([False], (np.diff(others) == 0.0).all(axis=0)))
     fresh = np.flatnonzero(~repeats)
     if len(fresh) < _FEWEST or len(fresh) > 0.5 * (len(repeats) + 1):
