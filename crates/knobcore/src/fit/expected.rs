@@ -90,7 +90,10 @@ impl Fit {
 /// Of columns that hardly differ rounding may be more than what is left, and a variance negative: none is that of a square.
 pub(super) fn sandwich(bread: &DMatrix<f64>, middle: &DMatrix<f64>) -> DMatrix<f64> {
     let plain = bread * middle * bread;
-    match root(middle).filter(|_| plain.diagonal().iter().any(|variance| *variance <= 0.0)) {
+    if plain.diagonal().iter().all(|variance| *variance > 0.0) {
+        return plain;
+    }
+    match root(middle) {
         Some(root) => {
             let half = bread * root;
             &half * half.transpose()
@@ -164,6 +167,8 @@ mod tests {
         assert!(sandwich(&bread, &middle).diagonal().iter().all(|variance| *variance > 0.0));
         let plain = DMatrix::from_row_slice(2, 2, &[2.0, 0.1, 0.1, 1.0]);
         assert_eq!(sandwich(&plain, &middle), &plain * &middle * &plain);
+        let none = DMatrix::zeros(0, 0);
+        assert_eq!(sandwich(&none, &none), none, "of a model without a free parameter");
     }
 
     #[test]
