@@ -154,11 +154,13 @@ def check_steps(
     between = np.append(ordinary[1:], True) & np.append(True, ordinary[:-1])
     lost = _lost(step, expected, noise, clear & ~follows & ~stale & between)
     lost[np.diff(t[index]) > 1.5 / rate_hz] = 0  # the clock says so itself
-    lost[_caught_up(step - expected, lost * expected)] = 0
-    # A machine that is asked at other times than it reads repeats a reading here and skips one there.
-    behind = np.sum(stale & (expected != 0.0) & ~_caught_up(step - expected, -expected))
-    if behind >= _ASYNCHRONOUS * lost.sum():
-        lost[:] = 0
+    if lost.any():
+        net = np.convolve(step - expected, np.ones(2 * REACH + 1), "same")
+        lost[_caught_up(net, lost * expected)] = 0
+        # A machine that is asked at other times than it reads repeats a reading here and skips one there.
+        behind = np.sum(stale & (expected != 0.0) & ~_caught_up(net, -expected))
+        if behind >= _ASYNCHRONOUS * lost.sum():
+            lost[:] = 0
     if lost.any():
         at, count = rows[index[:-1][lost > 0]], int(lost.sum())
         shift = np.zeros(len(t))
@@ -310,12 +312,13 @@ def _there_and_back(off: FloatArray, clear: float) -> BoolArray:
     return found & (np.abs(first + second) < 0.2 * np.abs(first - second))
 
 
-def _caught_up(off: FloatArray, gone: FloatArray) -> BoolArray:
+def _caught_up(net: FloatArray, gone: FloatArray) -> BoolArray:
     """Which of the steps that are too long by what is `gone` are so by what steps near them are too short.
+
+    `net` is by how much those around each are too long together.
 
     An angle that was read late for a row or two catches up; rows that are lost leave it further on.
     """
-    net = np.convolve(off, np.ones(2 * REACH + 1), "same")
     caught: BoolArray = net * np.sign(gone) < 0.5 * np.abs(gone)
     return caught
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .failures import bin_means, head_of, line_spectrum, no_more
+from .failures import bin_means, head_of, line_spectrum, of_excess
 from .ladder import title
 from .style import BLACK, WRONG, Picture, Scale, styled, torque_scale
 
@@ -44,8 +44,7 @@ def draw_change(figure: Figure, cell: SubplotSpec, learned: LearningResult) -> N
     first = None
     for row, (name, split) in enumerate(splits.items()):
         axes = figure.add_subplot(rows[row], sharex=first, sharey=first)
-        says = f"{100.0 * split.share:.0f} % of the excess" if split.fails else no_more(split)
-        draw_residual(axes, split, scale, f"{name}: {says}", row == len(splits) - 1)
+        draw_residual(axes, split, scale, f"{name}: {of_excess(split)}", row == len(splits) - 1)
         if first is not None and (legend := axes.get_legend()) is not None:
             legend.remove()  # the panel above has the same
         first = first or axes

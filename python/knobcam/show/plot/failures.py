@@ -76,7 +76,7 @@ def shares(axes: Axes, comparison: Comparison) -> None:
             continue
         chance = 100.0 * split.chance
         axes.plot([chance, chance], [row - 0.4, row + 0.4], color=BLACK, lw=1.2)
-        says, color = (f"{100.0 * split.share:.0f} %", BLACK) if split.fails else (no_more(split), GREY)
+        says, color = (f"{100.0 * split.share:.0f} %", BLACK) if split.fails else ("chance", GREY)
         right = 100.0 * float(np.nan_to_num(max(split.share, split.chance)))
         axes.text(right + 1.5, row, says, va="center", color=color)
     axes.set_yticks(rows, [s.axis for s in splits])
@@ -88,16 +88,16 @@ def shares(axes: Axes, comparison: Comparison) -> None:
     axes.set_title(plain(_verdict(comparison)), fontweight="bold")
 
 
-def no_more(split: Split) -> str:
-    """Return what is said of an axis that does not fail."""
+def of_excess(split: Split) -> str:
+    """Return what is said of an axis in a title."""
+    if split.fails:
+        return f"{100.0 * split.share:.0f} % of the excess"
     return "noise not known" if np.isnan(split.share) else "no more than chance"
 
 
 def _verdict(comparison: Comparison) -> str:
     if not comparison.fit.noise_floor > 0.0:
-        return "The noise is not known" + (
-            "" if (at := comparison.worst) is None else f"; most along {at.axis}"
-        )
+        return "The noise is not known"
     times = comparison.fit.rmse / comparison.fit.noise_floor
     if comparison.complete:
         return f"Chance explains the rest ({times:.2f} × noise)"
@@ -176,9 +176,10 @@ def head_of(split: Split, scale: Scale) -> str:
 
 
 def _head(axes: Axes, split: Split, scale: Scale, worst: bool) -> None:
-    share = f"{100.0 * split.share:.0f} % of the excess" if split.fails else no_more(split)
     weight = "bold" if worst else "normal"
-    axes.set_title(f"{split.axis}: {share}", color=WRONG if split.fails else BLACK, fontweight=weight)
+    axes.set_title(
+        f"{split.axis}: {of_excess(split)}", color=WRONG if split.fails else BLACK, fontweight=weight
+    )
     axes.set_xlabel(head_of(split, scale))
     if worst:
         axes.patch.set_facecolor("#FFF6F0")
