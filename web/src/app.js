@@ -193,12 +193,19 @@ class App {
     try {
       const answer = await post(verb, body);
       if (byId("said").classList.contains("wrong")) this.say("");
+      this.expect(answer.node);
       if (answer.revision !== undefined) this.refresh(answer.revision);
       return answer;
     } catch (reason) {
       this.failed(reason);
       return null;
     }
+  }
+
+  /** Fetch the samples of a node while the state that shows it is on its way. @param {string | null} node */
+  expect(node) {
+    if (!this.state?.node || node === null) return;
+    this.store.columns(node, this.state.active, columnsOf(this.view)).catch(() => {}); // of other captures: then with the state
   }
 
   /**

@@ -6,6 +6,7 @@
  */
 
 const CELL = 16; // pixels
+const MANY = 1 / 32; // of all points, of which so many are put in order by looking through all
 
 export class Pick {
   /**
@@ -36,6 +37,7 @@ export class Pick {
     const next = this.starts.slice();
     for (let i = 0; i < of.length; i++) if (of[i] >= 0) this.order[next[of[i]]++] = i;
     this.found = new Uint32Array(this.order.length);
+    this.taken = new Uint8Array(pixels.length);
   }
 
   /**
@@ -65,6 +67,19 @@ export class Pick {
         }
       }
     }
-    return this.found.subarray(0, count);
+    const found = this.found.subarray(0, count);
+    if (count > MANY * this.taken.length) this.inOrder(found);
+    return found;
+  }
+
+  /** Put points in the order of their numbers: what is looked up of each then lies side by side in memory. @param {Uint32Array} found */
+  inOrder(found) {
+    const { taken } = this;
+    for (let at = 0; at < found.length; at++) taken[found[at]] = 1;
+    for (let i = 0, at = 0; at < found.length; i++) {
+      if (taken[i] === 0) continue;
+      found[at++] = i;
+      taken[i] = 0;
+    }
   }
 }

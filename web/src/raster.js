@@ -33,14 +33,16 @@ export function place(xs, ys, frame, pixels = new Int32Array(xs.length)) {
   for (let i = 0; i < xs.length; i++) {
     let column = (xs[i] - xLow) * xStep;
     let row = (yHigh - ys[i]) * yStep;
-    const hidden = (cutX && (column < 0 || column > right)) || (cutY && (row < 0 || row > bottom));
-    if (column - column !== 0 || row - row !== 0 || hidden) {
-      pixels[i] = -1;
-      continue;
+    if (!(column >= 0 && column <= right && row >= 0 && row <= bottom)) {
+      const hidden = (cutX && (column < 0 || column > right)) || (cutY && (row < 0 || row > bottom));
+      if (column - column !== 0 || row - row !== 0 || hidden) {
+        pixels[i] = -1;
+        continue;
+      }
+      column = Math.min(right, Math.max(0, column));
+      row = Math.min(bottom, Math.max(0, row));
     }
-    column = column < 0 ? 0 : column > right ? right : column + 0.5;
-    row = row < 0 ? 0 : row > bottom ? bottom : row + 0.5;
-    pixels[i] = (row | 0) * width + (column | 0);
+    pixels[i] = ((row + 0.5) | 0) * width + ((column + 0.5) | 0);
   }
   return pixels;
 }
@@ -97,8 +99,12 @@ export function cloudOf(xs, ys, frame) {
 export function drawCloud(image, { counts, full }, colour, strength) {
   const rise = (1 - strength) / Math.log(full);
   const weights = Float32Array.from({ length: full + 1 }, (_, n) => strength + rise * Math.log(Math.max(1, n)));
+  const ground = image[0]; // where a cloud lies on nothing else, its colours are as many as its weights
+  const alone = Uint32Array.from(weights, (weight) => mixed(ground, colour, weight));
   for (let at = 0; at < counts.length; at++) {
-    if (counts[at] > 0) image[at] = mixed(image[at], colour, weights[Math.min(counts[at], full)]);
+    if (counts[at] === 0) continue;
+    const many = counts[at] < full ? counts[at] : full;
+    image[at] = image[at] === ground ? alone[many] : mixed(image[at], colour, weights[many]);
   }
 }
 
@@ -113,12 +119,15 @@ export function drawCloud(image, { counts, full }, colour, strength) {
  */
 export function drawPoints(image, pixels, chosen, frame, colour) {
   const { dot, width } = frame;
-  const count = chosen ? chosen.length : pixels.length;
-  for (let i = 0; i < count; i++) {
-    const pixel = pixels[chosen ? chosen[i] : i];
-    if (pixel < 0) continue;
-    for (let row = 0; row < dot; row++) {
-      const first = pixel + row * width;
+  const corners = new Uint8Array(image.length); // most points share theirs with others, and each is drawn once
+  const note = (/** @type {number} */ pixel) => {
+    if (pixel >= 0) corners[pixel] = 1;
+  };
+  if (chosen) for (let i = 0; i < chosen.length; i++) note(pixels[chosen[i]]);
+  else for (let i = 0; i < pixels.length; i++) note(pixels[i]);
+  for (let pixel = 0; pixel < corners.length; pixel++) {
+    if (corners[pixel] === 0) continue;
+    for (let row = 0, first = pixel; row < dot; row++, first += width) {
       for (let at = first; at < first + dot; at++) image[at] = colour;
     }
   }
@@ -144,14 +153,12 @@ export function drawFew(image, pixels, chosen, { dot, width, height }, colour) {
   }
 }
 
-/** @param {number} under @param {number} over @param {number} share of `over` */
+/** Two channels at once, in steps of 1/256. @param {number} under @param {number} over @param {number} share of `over` */
 function mixed(under, over, share) {
-  let colour = 0xff;
-  for (const shift of [16, 8, 0]) {
-    const [low, high] = [(under >> shift) & 0xff, (over >> shift) & 0xff];
-    colour = (colour << 8) | Math.round(low + (high - low) * share);
-  }
-  return colour >>> 0;
+  const [some, rest] = [Math.round(256 * share), 256 - Math.round(256 * share)];
+  const redBlue = (Math.imul(under & 0xff00ff, rest) + Math.imul(over & 0xff00ff, some)) >>> 8;
+  const green = (Math.imul(under & 0xff00, rest) + Math.imul(over & 0xff00, some)) >>> 8;
+  return (0xff000000 | (redBlue & 0xff00ff) | (green & 0xff00)) >>> 0;
 }
 
 /**

@@ -41,6 +41,8 @@ export class Store {
   constructor() {
     /** @type {Map<string, Columns>} columns by capture, or by capture and node */
     this.kept = new Map();
+    /** @type {Map<string, Promise<Columns>>} what is on its way */
+    this.coming = new Map();
     /** @type {Map<string, import("./types.js").Split[]>} where the error lies, by node */
     this.splits = new Map();
   }
@@ -106,10 +108,12 @@ export class Store {
   async ofCapture(node, capture, names) {
     const key = `${capture} ${node}`;
     const have = () => ({ ...this.kept.get(capture), ...this.kept.get(key) });
+    await this.coming.get(key)?.catch(() => {}); // who asked for that is told
     const lacking = names.filter((name) => !(name in have()));
     if (lacking.length > 0) {
-      const fetched = decode(await fetchBytes("/api/arrays", { node, capture, names: lacking.join(",") }));
-      const entries = Object.entries(fetched);
+      const coming = fetchBytes("/api/arrays", { node, capture, names: lacking.join(",") }).then(decode);
+      this.coming.set(key, coming);
+      const entries = Object.entries(await coming.finally(() => this.coming.delete(key)));
       this.keep(capture, Object.fromEntries(entries.filter(([name]) => MOTION.has(name))));
       this.keep(key, Object.fromEntries(entries.filter(([name]) => !MOTION.has(name))));
     }

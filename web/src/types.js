@@ -256,9 +256,9 @@
  */
 
 /**
- * What a request is answered that changes or asks something.
+ * What a request is answered that changes or asks something, and where the session is now.
  * @typedef {{job?: string, path?: string, log?: string, share?: number, hidden?: string[], cancelled?: boolean,
- *   tried?: Law, unfinished?: string, revision: number}} Answer
+ *   tried?: Law, unfinished?: string, revision: number, node: string | null}} Answer
  */
 
 /**

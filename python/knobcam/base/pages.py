@@ -334,9 +334,10 @@ class More(TypedDict, total=False):
 
 
 class Answer(More):
-    """What a request is answered that changes or asks something."""
+    """What a request is answered that changes or asks something, and where the session is now."""
 
     revision: int
+    node: str | None
 
 
 class ShownStep(TypedDict):

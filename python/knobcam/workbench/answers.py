@@ -23,8 +23,9 @@ def json_answer(document: Mapping[str, Any], status: int = 200) -> Response:
 
 
 def answered(session: Session, **more: Unpack[pages.More]) -> Response:
-    """Return at which revision a session is, and what else there is to say."""
-    answer: pages.Answer = {"revision": session.revision, **more}
+    """Return at which revision and node a session is, and what else there is to say."""
+    node = session.view.id if session.branches else None
+    answer: pages.Answer = {"revision": session.revision, "node": node, **more}
     return json_answer(answer)
 
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import os
 import socket
+import threading
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import uvicorn
+from starlette.concurrency import run_in_threadpool
 
 from ..errors import InputError
 from .bench import Bench
@@ -33,7 +36,13 @@ def serve(bench: Bench, port: int, tell: Callable[[str], None]) -> None:
         at = listening.getsockname()[1]
         server = web_server(application(bench, token, at))
         tell(f"http://{HOST}:{at}/?token={token}")
+        threading.Thread(target=_ready, args=(bench,), daemon=True).start()
         server.run([listening])
+
+
+def _ready(bench: Bench) -> None:
+    """What the first page would wait for is done while its browser starts: the state, and threads to answer from."""
+    asyncio.run(run_in_threadpool(bench.document))
 
 
 def listen(port: int) -> socket.socket:

@@ -75,7 +75,8 @@ fn weigh(
     let better = excess <= rule().slight * floor.squares || rest <= rule().better * excess || !paid;
     let explained = left <= rule().explained * floor.squares && better || most;
     // Who asks for couplings alone wants to know.
-    if quick.is_empty() || left.is_nan() || floor.squares.is_nan() || !explained {
+    let asked = quick.is_empty() || left.is_nan() || floor.squares.is_nan() || !explained;
+    if asked && !slow.is_empty() {
         let joints: Vec<_> = coupled(&screen, &slow, may_come).into_iter().map(told).collect();
         let own = detents().filter(|own| !joints.is_empty() && !model.has(*own));
         let known = found.iter().map(|(one, _)| one).find(|one| Some(one.id) == own).cloned();

@@ -2359,6 +2359,7 @@ function nearest(plot, x, y) {
 
 // src/pick.js
 var CELL = 16;
+var MANY = 1 / 32;
 var Pick = class {
   /**
    * Sort the points into cells.
@@ -2388,6 +2389,7 @@ var Pick = class {
     const next = this.starts.slice();
     for (let i = 0; i < of.length; i++) if (of[i] >= 0) this.order[next[of[i]]++] = i;
     this.found = new Uint32Array(this.order.length);
+    this.taken = new Uint8Array(pixels.length);
   }
   /**
    * Return the indices of the points in a rectangle; valid until the next call.
@@ -2416,7 +2418,19 @@ var Pick = class {
         }
       }
     }
-    return this.found.subarray(0, count);
+    const found2 = this.found.subarray(0, count);
+    if (count > MANY * this.taken.length) this.inOrder(found2);
+    return found2;
+  }
+  /** Put points in the order of their numbers: what is looked up of each then lies side by side in memory. @param {Uint32Array} found */
+  inOrder(found2) {
+    const { taken } = this;
+    for (let at = 0; at < found2.length; at++) taken[found2[at]] = 1;
+    for (let i = 0, at = 0; at < found2.length; i++) {
+      if (taken[i] === 0) continue;
+      found2[at++] = i;
+      taken[i] = 0;
+    }
   }
 };
 
@@ -2431,14 +2445,16 @@ function place(xs, ys, frame, pixels = new Int32Array(xs.length)) {
   for (let i = 0; i < xs.length; i++) {
     let column = (xs[i] - xLow) * xStep;
     let row = (yHigh - ys[i]) * yStep;
-    const hidden = cutX && (column < 0 || column > right) || cutY && (row < 0 || row > bottom);
-    if (column - column !== 0 || row - row !== 0 || hidden) {
-      pixels[i] = -1;
-      continue;
+    if (!(column >= 0 && column <= right && row >= 0 && row <= bottom)) {
+      const hidden = cutX && (column < 0 || column > right) || cutY && (row < 0 || row > bottom);
+      if (column - column !== 0 || row - row !== 0 || hidden) {
+        pixels[i] = -1;
+        continue;
+      }
+      column = Math.min(right, Math.max(0, column));
+      row = Math.min(bottom, Math.max(0, row));
     }
-    column = column < 0 ? 0 : column > right ? right : column + 0.5;
-    row = row < 0 ? 0 : row > bottom ? bottom : row + 0.5;
-    pixels[i] = (row | 0) * width + (column | 0);
+    pixels[i] = (row + 0.5 | 0) * width + (column + 0.5 | 0);
   }
   return pixels;
 }
@@ -2473,18 +2489,25 @@ function cloudOf(xs, ys, frame) {
 function drawCloud(image, { counts, full }, colour, strength) {
   const rise = (1 - strength) / Math.log(full);
   const weights = Float32Array.from({ length: full + 1 }, (_, n) => strength + rise * Math.log(Math.max(1, n)));
+  const ground = image[0];
+  const alone = Uint32Array.from(weights, (weight) => mixed(ground, colour, weight));
   for (let at = 0; at < counts.length; at++) {
-    if (counts[at] > 0) image[at] = mixed(image[at], colour, weights[Math.min(counts[at], full)]);
+    if (counts[at] === 0) continue;
+    const many = counts[at] < full ? counts[at] : full;
+    image[at] = image[at] === ground ? alone[many] : mixed(image[at], colour, weights[many]);
   }
 }
 function drawPoints(image, pixels, chosen, frame, colour) {
   const { dot: dot2, width } = frame;
-  const count = chosen ? chosen.length : pixels.length;
-  for (let i = 0; i < count; i++) {
-    const pixel = pixels[chosen ? chosen[i] : i];
-    if (pixel < 0) continue;
-    for (let row = 0; row < dot2; row++) {
-      const first = pixel + row * width;
+  const corners = new Uint8Array(image.length);
+  const note = (pixel) => {
+    if (pixel >= 0) corners[pixel] = 1;
+  };
+  if (chosen) for (let i = 0; i < chosen.length; i++) note(pixels[chosen[i]]);
+  else for (let i = 0; i < pixels.length; i++) note(pixels[i]);
+  for (let pixel = 0; pixel < corners.length; pixel++) {
+    if (corners[pixel] === 0) continue;
+    for (let row = 0, first = pixel; row < dot2; row++, first += width) {
       for (let at = first; at < first + dot2; at++) image[at] = colour;
     }
   }
@@ -2500,12 +2523,10 @@ function drawFew(image, pixels, chosen, { dot: dot2, width, height }, colour) {
   }
 }
 function mixed(under, over, share) {
-  let colour = 255;
-  for (const shift of [16, 8, 0]) {
-    const [low, high] = [under >> shift & 255, over >> shift & 255];
-    colour = colour << 8 | Math.round(low + (high - low) * share);
-  }
-  return colour >>> 0;
+  const [some, rest] = [Math.round(256 * share), 256 - Math.round(256 * share)];
+  const redBlue = Math.imul(under & 16711935, rest) + Math.imul(over & 16711935, some) >>> 8;
+  const green = Math.imul(under & 65280, rest) + Math.imul(over & 65280, some) >>> 8;
+  return (4278190080 | redBlue & 16711935 | green & 65280) >>> 0;
 }
 function pixelColour(text) {
   const value = Number.parseInt(text.slice(1), 16);
@@ -3168,6 +3189,7 @@ function unpacked(buffer) {
 var Store = class {
   constructor() {
     this.kept = /* @__PURE__ */ new Map();
+    this.coming = /* @__PURE__ */ new Map();
     this.splits = /* @__PURE__ */ new Map();
   }
   /**
@@ -3226,10 +3248,13 @@ var Store = class {
   async ofCapture(node, capture, names) {
     const key2 = `${capture} ${node}`;
     const have = () => ({ ...this.kept.get(capture), ...this.kept.get(key2) });
+    await this.coming.get(key2)?.catch(() => {
+    });
     const lacking = names.filter((name) => !(name in have()));
     if (lacking.length > 0) {
-      const fetched = decode(await fetchBytes("/api/arrays", { node, capture, names: lacking.join(",") }));
-      const entries = Object.entries(fetched);
+      const coming = fetchBytes("/api/arrays", { node, capture, names: lacking.join(",") }).then(decode);
+      this.coming.set(key2, coming);
+      const entries = Object.entries(await coming.finally(() => this.coming.delete(key2)));
       this.keep(capture, Object.fromEntries(entries.filter(([name]) => MOTION.has(name))));
       this.keep(key2, Object.fromEntries(entries.filter(([name]) => !MOTION.has(name))));
     }
@@ -4710,12 +4735,19 @@ var App = class {
     try {
       const answer = await post(verb, body);
       if (byId("said").classList.contains("wrong")) this.say("");
+      this.expect(answer.node);
       if (answer.revision !== void 0) this.refresh(answer.revision);
       return answer;
     } catch (reason2) {
       this.failed(reason2);
       return null;
     }
+  }
+  /** Fetch the samples of a node while the state that shows it is on its way. @param {string | null} node */
+  expect(node) {
+    if (!this.state?.node || node === null) return;
+    this.store.columns(node, this.state.active, columnsOf(this.view)).catch(() => {
+    });
   }
   /**
    * Show the newest state, unless what is shown is as new as `revision` and no job can have ended since.
