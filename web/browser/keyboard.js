@@ -61,7 +61,14 @@ await press("Escape");
 assert.equal(await open(), 0, "Escape closes what tells of an effect");
 await page.waitForFunction(() => document.activeElement?.matches(".candidate"));
 const effect = await page.evaluate(() => document.activeElement.dataset.effect);
+await page.emulateMedia({ reducedMotion: "no-preference" });
 await done(page, "add", () => press("Enter"));
+// Residuals that move to where the new model leaves them arrive there, though bins come in meanwhile.
+await page.waitForFunction(() => {
+  const { residuals, data } = window.knobcam.app.linked;
+  return data.splits && residuals.every(({ contents }) => contents.series[0].y === data.columns.residual);
+}, null, { timeout: 10_000 });
+await page.emulateMedia({ reducedMotion: "reduce" });
 const second = await stateOf(page);
 assert.equal(second.ladder.length, 2);
 for (let again = 0; again < 3; again++) await press("Enter"); // nothing has the focus that would add another one

@@ -104,15 +104,18 @@ export class Linked {
     this.tell();
     this.drawLight();
     this.prepare(data);
-    if (from) settle(from, columns.residual, (residual) => this.data === data && this.moved(residual));
+    if (from) settle(from, columns.residual, (residual) => this.shows(data) && this.moved(residual));
   }
+
+  /** Whether these samples are still shown; their bins may have come in meanwhile. @param {Data} data */
+  shows = ({ columns }) => this.data?.columns === columns;
 
   /** Work out, while nothing else is to be done, where each point of what a brush lights up is. @param {Data} data */
   prepare(data) {
     const left = this.plots.flatMap((plot) => (plot.contents?.series ?? []).map(({ chosen }, at) => (chosen ? { plot, at } : null)));
     const go = () => {
       const one = left.shift();
-      if (one === undefined || this.data !== data) return;
+      if (one === undefined || !this.shows(data)) return;
       if (one && !one.plot.element.hidden) one.plot.pixels(one.at);
       idle(go);
     };
