@@ -99,6 +99,11 @@ def test_what_cannot_be_told_is_designed_for_recorded_from_the_same_knob_and_tol
     kept = bench.session.captures[state["captures"][1]["id"]].capture
     np.testing.assert_array_equal(made.tau, kept.tau)
 
+    post(client, "use", captures=["c1"])
+    assert shown(client)["experiment"]["id"] == found["id"]  # it was recorded of that knob
+    post(client, "simulate", **{**SPRUNG, "knob": "knob3"})
+    assert shown(client)["experiment"] is None
+
 
 def test_the_model_becomes_that_of_who_was_right_and_can_be_taken_back(
     client: httpx.Client, bench: Bench

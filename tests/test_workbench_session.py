@@ -189,7 +189,18 @@ def test_captures_of_one_knob_are_fitted_together_and_one_can_be_left_out(
     assert "return_spring" in session.node.fit.model.effects
     session.use([other])
     assert session.node.captures == (other,)
+    known = told(session)
+    # What came in before has its step on these captures, too, and says what it takes off there.
+    assert [step["label"] for step in known["ladder"]] == ["first model", "+ return_spring"]
+    assert [step["added"] for step in known["carried"]] == [None, "return_spring"]
+    assert known["carried"][0]["rmse"] > 1.5 * known["carried"][1]["rmse"] == 1.5 * known["rmse"]
+    assert known["branches"][0]["steps"][-1]["anew"] is False
+    session.weigh()
+    assert told(session)["concluded"][0] == {"effect": "return_spring"}
+    session.take(kc.simulate(knob, "sweep", seed=8, rate_hz=1000.0), "a knob of its own", together=False)
     assert [step["label"] for step in told(session)["ladder"]] == ["first model"]
+    assert told(session)["carried"] == [] and told(session)["branches"][0]["steps"][-1]["anew"]
+    session.undo()
     session.undo()
     session.undo()
     assert len(session.node.fit.prepared) == 1
@@ -197,7 +208,7 @@ def test_captures_of_one_knob_are_fitted_together_and_one_can_be_left_out(
         session.use(["c99"])
     with pytest.raises(InputError, match="captures 1 and 2 are the same"):
         session.take(sprung, "again")
-    assert set(session.captures) == {*session.branch.steps[-1].captures, *session.branch.steps[0].captures}
+    assert set(session.captures) == {one for step in session.branch.steps for one in step.captures}
 
 
 def test_work_that_is_given_up_between_rounds_changes_nothing(session: Session):

@@ -27,7 +27,9 @@ export function showBranches(place, state, beside, deeds) {
   const scale = torqueScale(state);
   const cards = state.branches.map(({ id, name, steps, at }) => {
     const step = steps[at];
-    const changed = steps.slice(1, at + 1).filter(({ added, dropped }) => added || dropped); // not only fitted anew
+    const done = steps.slice(0, at + 1);
+    const own = done.slice(done.findLastIndex(({ anew }) => anew)); // not of a knob that was here before
+    const changed = own.filter(({ added, dropped }) => added || dropped); // not only fitted anew
     const changes = changed.map(({ added, dropped }) => (added ? `+ ${titleOf(added)}` : `− ${titleOf(dropped ?? "")}`));
     const words = changes.join(" ") || "nothing added";
     const card = make(

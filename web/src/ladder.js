@@ -12,10 +12,10 @@ import { number, torqueScale } from "./numbers.js";
  */
 export function showLadder(place, state) {
   const branch = state.branches.find(({ id }) => id === state.branch);
-  const key = JSON.stringify([branch, state.rmse, state.noise_floor, state.unit, state.peak]);
+  const key = JSON.stringify([branch, state.carried, state.rmse, state.noise_floor, state.unit, state.peak]);
   if (place.dataset.shown === key) return; // or it would fall again
   place.dataset.shown = key;
-  const { steps, at: here } = sameCaptures(branch?.steps ?? [], branch?.at ?? 0);
+  const { steps, at: here } = broughtAlong(sameCaptures(branch?.steps ?? [], branch?.at ?? 0), state.carried);
   const errors = steps.flatMap(({ rmse, rmse_heldout }) => [rmse, rmse_heldout]).concat(state.rmse);
   const floor = state.noise_floor;
   const widest = Math.max(...errors.map((error) => error ?? 0), floor ?? 0) * 1.02;
@@ -64,6 +64,16 @@ function sameCaptures(steps, at) {
   while (first > 0 && of(first - 1) === of(at)) first--;
   while (end < steps.length && of(end) === of(at)) end++;
   return { steps: steps.slice(first, end), at: at - first };
+}
+
+/**
+ * The same, with what the model of the first of them brought along as steps of their own.
+ * @param {{steps: import("./types.js").Step[], at: number}} shown
+ * @param {import("./types.js").Carried[]} carried
+ */
+export function broughtAlong({ steps, at }, carried) {
+  const brought = carried.map((one) => ({ ...steps[0], dropped: null, ...one }));
+  return brought.length > 1 ? { steps: [...brought, ...steps.slice(1)], at: at + brought.length - 1 } : { steps, at };
 }
 
 /** @param {number | null} floor @param {number} widest */

@@ -77,14 +77,19 @@
  */
 
 /**
- * A fit on the way of a branch.
- * @typedef {{node: string, added: string | null, dropped: string | null, rmse: number,
+ * A fit on the way of a branch; `anew` of a model of its own, not that of the step before.
+ * @typedef {{node: string, anew: boolean, added: string | null, dropped: string | null, rmse: number,
  *   rmse_heldout: number | null, captures: string[]}} Step
  */
 
 /**
  * A branch, and at which of its steps it is.
  * @typedef {{id: string, name: string, at: number, steps: Step[]}} Branch
+ */
+
+/**
+ * A step to what a model brought along to other captures, fitted to these.
+ * @typedef {{added: string | null, rmse: number, rmse_heldout: number | null}} Carried
  */
 
 /**
@@ -205,7 +210,7 @@
  *   params: Param[], together: Together[], rmse: number | null, rmse_heldout: number | null,
  *   concluded: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
- *   record: string | null, ladder: LadderStep[], candidates: Candidates, warnings: string[],
+ *   record: string | null, carried: Carried[], ladder: LadderStep[], candidates: Candidates, warnings: string[],
  *   limitations: string[], titles: Record<string, string>, absent: Effect[], untold: string[][],
  *   proposed: Law[] | null,
  *   proposed_said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
@@ -241,7 +246,7 @@
  *   params: Param[], together: Together[], rmse: number | null, rmse_heldout: number | null,
  *   concluded: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
- *   record: string | null, ladder: LadderStep[], candidates: Candidates, warnings: string[],
+ *   record: string | null, carried: Carried[], ladder: LadderStep[], candidates: Candidates, warnings: string[],
  *   limitations: string[], titles: Record<string, string>, absent: Effect[], untold: string[][],
  *   proposed: Law[] | null,
  *   proposed_said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],

@@ -42,9 +42,10 @@ class CaptureInfo(TypedDict):
 
 
 class Step(TypedDict):
-    """A fit on the way of a branch."""
+    """A fit on the way of a branch; `anew` of a model of its own, not that of the step before."""
 
     node: str
+    anew: bool
     added: str | None
     dropped: str | None
     rmse: float
@@ -59,6 +60,14 @@ class Branch(TypedDict):
     name: str
     at: int
     steps: list[Step]
+
+
+class Carried(TypedDict):
+    """A step to what a model brought along to other captures, fitted to these."""
+
+    added: str | None
+    rmse: float
+    rmse_heldout: float | None
 
 
 class LadderStep(TypedDict):
@@ -260,6 +269,7 @@ class Session(TypedDict):
     concluded: list[Part]
     verdict: list[Part]
     record: str | None
+    carried: list[Carried]
     ladder: list[LadderStep]
     candidates: Candidates
     warnings: list[str]

@@ -18,7 +18,7 @@ from .session import Session
 from .tree import Start
 
 if TYPE_CHECKING:
-    from .session import Tell
+    from .tell import Tell
     from .tree import Opened
 
 _PAUSE_S = 0.02

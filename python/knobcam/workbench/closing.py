@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 from ..errors import InputError
 
 if TYPE_CHECKING:
-    from .session import Session, Tell
+    from .session import Session
+    from .tell import Tell
     from .tree import Opened
 
 

@@ -26,7 +26,8 @@ if TYPE_CHECKING:
     from ..capture import Capture
     from ..learn import LearningResult
     from ..learn.experiment import Experiment
-    from .session import Tell
+    from .tell import Tell
+    from .tree import Node
 
 _SHOWN = 4000  # samples of a motion, which a page draws and a hand is led through
 _SENTENCES = ("promise", "headline", "verdict")
@@ -75,9 +76,13 @@ class Designed:
     known: Known | None = None
     promise: Said | None = None
 
-    def of_use(self, done: Sequence[str]) -> bool:
-        """Whether it is for a branch that came this way; one that was not recorded is for its model alone."""
-        return self.node in (done if self.capture else done[-1:])
+    def of_use(self, done: Sequence[Node]) -> bool:
+        """Whether it is for a branch that came this way; one that was not recorded is for its model alone.
+
+        Nor is it for other captures than those that it was designed from, which are of another knob.
+        """
+        way = done if self.capture else done[-1:]
+        return any(one.id == self.node and {*one.captures} <= {*done[-1].captures} for one in way)
 
     def track(self) -> Any:
         """Return the motion at the rate of the captures."""

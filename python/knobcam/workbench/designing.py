@@ -30,8 +30,9 @@ if TYPE_CHECKING:
     from .bench import Bench
     from .designed import Designed
     from .jobs import Job
-    from .session import Session, Tell
+    from .session import Session
     from .sources import Emulated, OnPort
+    from .tell import Tell
     from .tree import Opened
 
 _TAKES_S = 4.0  # about, of a stage of a design

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from .journal import Record
-    from .session import Session, Tell
+    from .session import Session
+    from .tell import Tell
 
 _OFFERED = 5
 

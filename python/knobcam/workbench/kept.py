@@ -31,7 +31,8 @@ if TYPE_CHECKING:
     from ..capture import Capture
     from ..fit import Fit
     from .journal import Journal, Record
-    from .session import Session, Tell
+    from .session import Session
+    from .tell import Tell
 
 _ALIKE = 1e-6  # of the error of a fit that is made again
 

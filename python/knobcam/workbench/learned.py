@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 from ..fit import refit
+from ..fit.diagnose import diagnose
 from ..learn import LearningResult
 from ..learn.ladder import LearningStep
 from ..learn.selection import Selection, concluded
@@ -22,12 +24,13 @@ def ladder(done: Sequence[Node]) -> list[LearningStep]:
     """Return the ladder of nodes: one step for the first model, one for each effect that was added.
 
     An effect that was dropped changes the step that it was dropped from. Where other captures came in the
-    ladder starts anew: errors on different captures cannot be compared.
+    ladder starts anew, for errors on different captures cannot be compared: with all that came in before
+    where the model went on, fitted to these captures.
     """
     steps: list[LearningStep] = []
     for node in done:
         if node.how == "fitted":
-            steps = [LearningStep(node.fit)]
+            steps = _carried(node, steps) if node.onward else [LearningStep(node.fit)]
         elif node.how == "added":
             fitted = replace(node.fit, before=steps[-1].fit)
             evidence = (node.effect, node.p_value, node.equivalent, (), node.diagnosis)
@@ -38,6 +41,31 @@ def ladder(done: Sequence[Node]) -> list[LearningStep]:
             dropped = (*last.dropped, node.effect) if node.effect else last.dropped
             steps.append(replace(last, fit=replace(node.fit, before=before), dropped=dropped))
     return steps
+
+
+def carried(done: Sequence[Node]) -> list[LearningStep]:
+    """Return the steps of what a model brought along to the captures of a branch; none of a new model."""
+    last = max((at for at, node in enumerate(done) if node.how == "fitted"), default=0)
+    return ladder(done[: last + 1]) if done and done[last].onward else []
+
+
+_CARRIED: WeakKeyDictionary[Node, list[LearningStep]] = WeakKeyDictionary()
+
+
+def _carried(node: Node, before: Sequence[LearningStep]) -> list[LearningStep]:
+    """Return the steps to a fit that went on with what had come in; fitted once, for it takes its time."""
+    if node not in _CARRIED:
+        came = [step for step in before if step.added in node.fit.model.effects]
+        fits = [node.fit]
+        for step in reversed(came):
+            assert step.added is not None
+            fits.insert(0, fits[0].drop(step.added))
+        steps = [LearningStep(fits[0])]
+        for step, bare, fit in zip(came, fits, fits[1:], strict=False):
+            of = (step.added, step.p_value, (), step.dropped, diagnose(bare, only=()))
+            steps.append(LearningStep(replace(fit, before=bare), *of))
+        _CARRIED[node] = steps
+    return list(_CARRIED[node])
 
 
 def in_vain(steps: Sequence[LearningStep]) -> list[str]:

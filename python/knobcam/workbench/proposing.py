@@ -31,7 +31,8 @@ if TYPE_CHECKING:
     from ..learn.proposals import Proposal, Proposals
     from .bench import Bench
     from .jobs import Job
-    from .session import Session, Tell
+    from .session import Session
+    from .tell import Tell
     from .tree import Node
 
 _MOST = 99

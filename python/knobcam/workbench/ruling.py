@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from ..base import pages
     from ..capture.finding import Finding
     from ..fit import Fit
-    from .session import Session, Tell
+    from .session import Session
+    from .tell import Tell
     from .tree import Opened
 
 _SIGN = "it says what the model cannot be: turn the sign of the torque in the map"

@@ -21,7 +21,8 @@ from .script import script
 if TYPE_CHECKING:
     from ..learn import LearningResult
     from ..model.effects import Effect
-    from .session import Session, Tell
+    from .session import Session
+    from .tell import Tell
 
 FILES = {
     "model": "knobcam-model.toml",

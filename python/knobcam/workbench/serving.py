@@ -41,7 +41,7 @@ def serve(bench: Bench, port: int, tell: Callable[[str], None]) -> None:
 
 
 def _ready(bench: Bench) -> None:
-    """What the first page would wait for is done while its browser starts: the state, and threads to answer from."""
+    """Do what the first page would wait for while its browser starts: the state, and threads to answer."""
     asyncio.run(run_in_threadpool(bench.document))
 
 

@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,8 @@ from ..capture import load
 from ..errors import InputError
 from ..fit import Fit, fit, refit
 from ..fit.diagnose import Diagnosis, diagnose
+from .learned import ladder
+from .tell import quiet
 from .tree import Branch, How, Node, Opened, Start, told_apart
 from .view import View
 
@@ -25,21 +27,11 @@ if TYPE_CHECKING:
     from ..learn.proposals import Proposals
     from .designed import Designed
     from .kept import Again
-
-
-class Tell(Protocol):
-    """Told what long work does and how much of that is done; raises where it is no longer wanted."""
-
-    def __call__(self, what: str, done: float | None = None, /, *, last: bool = False) -> None:
-        """`done` is from 0 to 1, or None where nobody can tell; after the `last` there is no way back."""
+    from .tell import Tell
 
 
 _VIEWS = 8  # of a dragged parameter that can still be looked at
 _NAME = 80  # characters of a branch's name
-
-
-def _quiet(_: str, __: float | None = None, *, last: bool = False) -> None:
-    """Tell nobody."""
 
 
 class Session:
@@ -106,7 +98,7 @@ class Session:
     @property
     def experiment(self) -> Designed | None:
         """The last motion that was designed where the branch is, or recorded on the way there."""
-        done = [node.id for node in self.branch.done] if self.branches else []
+        done = self.branch.done if self.branches else []
         return next((one for one in reversed(self.designs.values()) if one.of_use(done)), None)
 
     def place(self, view: View, capture: str) -> int:
@@ -121,7 +113,7 @@ class Session:
         self,
         *paths: str,
         map: ColumnMap | None = None,
-        tell: Tell = _quiet,
+        tell: Tell = quiet,
         together: bool = True,
         **options: Any,
     ) -> tuple[str, ...]:
@@ -148,7 +140,7 @@ class Session:
         capture: Capture,
         name: str,
         options: Mapping[str, Any] | None = None,
-        tell: Tell = _quiet,
+        tell: Tell = quiet,
         *,
         path: str = "",
         together: bool = True,
@@ -177,7 +169,7 @@ class Session:
             self.captures |= new
             self._put(node, branch)
 
-    def use(self, captures: Sequence[str], tell: Tell = _quiet) -> None:
+    def use(self, captures: Sequence[str], tell: Tell = quiet) -> None:
         """Fit the model to these captures, of those that were opened."""
         unknown = [one for one in captures if one not in self.captures]
         if unknown:
@@ -203,11 +195,13 @@ class Session:
         tell("fitting")
         model = before.fit.model if before and onward else self.start.model
         fitted = fit([known[one].capture for one in ids], model, **self.start.options)
-        return self._node(fitted, tuple(ids), "fitted", onward=onward), branch
+        node = self._node(fitted, tuple(ids), "fitted", onward=onward)
+        ladder([*(branch.done if branch else ()), node])  # here, where it is seen that it takes its time
+        return node, branch
 
     # Effects
 
-    def add(self, effect: str, tell: Tell = _quiet) -> None:
+    def add(self, effect: str, tell: Tell = quiet) -> None:
         """Add an effect and fit anew. Raises InputError for one that the model cannot be given."""
         branch, node = self.branch, self.node
         refit.check(effect, node.fit.model)
@@ -227,7 +221,7 @@ class Session:
         tell(f"putting {effect} in place", last=True)
         self._put(self._node(richer, node.captures, "added", effect, **evidence), branch, node)
 
-    def drop(self, effect: str, tell: Tell = _quiet) -> None:
+    def drop(self, effect: str, tell: Tell = quiet) -> None:
         """Take an effect out and fit anew. Raises InputError for one that the model does not have."""
         branch, node = self.branch, self.node
         tell(f"dropping {effect}")
@@ -240,7 +234,7 @@ class Session:
         node = self._node(richer, self.node.captures, "added", effect, p_value=p_value)
         self._put(node, self.branch, self.node)
 
-    def weigh(self, tell: Tell = _quiet, node: Node | None = None) -> Diagnosis:
+    def weigh(self, tell: Tell = quiet, node: Node | None = None) -> Diagnosis:
         """Return which effects could be missing at a node, by default here; weighed once for each."""
         node = node or self.node
         known = self.diagnoses.get(node.id)

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from ..capture import Capture
     from ..learn.limits import Limits
     from ..rig.record import Watch
-    from .session import Tell
+    from .tell import Tell
 
 _LONGEST_S = 600.0
 LED_S = 4.0

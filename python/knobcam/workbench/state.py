@@ -18,7 +18,7 @@ from ..show.samples import candidates, peak
 from . import proposing, ruling, surface
 from .closing import open_ones
 from .designing import origin
-from .learned import conclusion, in_vain, ladder
+from .learned import carried, conclusion, in_vain, ladder
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -69,6 +69,10 @@ def document(session: Session) -> pages.Session:
         "concluded": [] if story is None else story.headline.document(),
         "verdict": _verdict(steps, diagnosis, story).document(),
         "record": None if story is None else story.record,
+        "carried": [
+            {"added": step.added, "rmse": step.rmse, "rmse_heldout": step.rmse_heldout}
+            for step in carried(branch.done)
+        ],
         "ladder": [
             {
                 "label": "first model" if step.added is None else f"+ {step.added}",
@@ -158,6 +162,7 @@ def _nothing(session: Session) -> pages.Session:
         "concluded": [],
         "verdict": ["Open a capture to begin."],
         "record": None,
+        "carried": [],
         "ladder": [],
         "candidates": {"ready": False, "rows": [], "unexplained": None, "left_out": {}},
         "warnings": [],
@@ -195,6 +200,7 @@ def _branch(branch: Branch) -> pages.Branch:
         "steps": [
             {
                 "node": node.id,
+                "anew": node.how == "fitted" and not node.onward,
                 "added": node.effect if node.how == "added" else None,
                 "dropped": node.effect if node.how == "dropped" else None,
                 "rmse": node.fit.rmse,

@@ -12,7 +12,8 @@ if TYPE_CHECKING:
 
     from ..capture import Capture
     from .designed import Designed
-    from .session import Session, Tell
+    from .session import Session
+    from .tell import Tell
 
 
 def design(

@@ -179,7 +179,9 @@ function showBranches(place4, state, beside, deeds) {
   const scale = torqueScale(state);
   const cards = state.branches.map(({ id, name, steps, at }) => {
     const step = steps[at];
-    const changed = steps.slice(1, at + 1).filter(({ added, dropped }) => added || dropped);
+    const done = steps.slice(0, at + 1);
+    const own = done.slice(done.findLastIndex(({ anew }) => anew));
+    const changed = own.filter(({ added, dropped }) => added || dropped);
     const changes = changed.map(({ added, dropped }) => added ? `+ ${titleOf(added)}` : `− ${titleOf(dropped ?? "")}`);
     const words3 = changes.join(" ") || "nothing added";
     const card = make(
@@ -1842,10 +1844,10 @@ function closeMenu(focus) {
 // src/ladder.js
 function showLadder(place4, state) {
   const branch = state.branches.find(({ id }) => id === state.branch);
-  const key2 = JSON.stringify([branch, state.rmse, state.noise_floor, state.unit, state.peak]);
+  const key2 = JSON.stringify([branch, state.carried, state.rmse, state.noise_floor, state.unit, state.peak]);
   if (place4.dataset.shown === key2) return;
   place4.dataset.shown = key2;
-  const { steps, at: here } = sameCaptures(branch?.steps ?? [], branch?.at ?? 0);
+  const { steps, at: here } = broughtAlong(sameCaptures(branch?.steps ?? [], branch?.at ?? 0), state.carried);
   const errors = steps.flatMap(({ rmse, rmse_heldout }) => [rmse, rmse_heldout]).concat(state.rmse);
   const floor = state.noise_floor;
   const widest = Math.max(...errors.map((error) => error ?? 0), floor ?? 0) * 1.02;
@@ -1887,6 +1889,10 @@ function sameCaptures(steps, at) {
   while (first > 0 && of(first - 1) === of(at)) first--;
   while (end < steps.length && of(end) === of(at)) end++;
   return { steps: steps.slice(first, end), at: at - first };
+}
+function broughtAlong({ steps, at }, carried) {
+  const brought = carried.map((one) => ({ ...steps[0], dropped: null, ...one }));
+  return brought.length > 1 ? { steps: [...brought, ...steps.slice(1)], at: at + brought.length - 1 } : { steps, at };
 }
 function floorMark(floor, widest) {
   if (floor === null) return null;
