@@ -32,12 +32,13 @@ def learned(
     left: Unexplained | None = None,
     complete: bool = True,
     cut: Cut | None = None,
+    best: Any = None,
     **fit: Any,
 ) -> LearningResult:
     """A search that came to an end of which all is known."""
     ladder = climbed(*((one, 3.0 - at) for at, one in enumerate(found)))
     ladder[-1] = replace(ladder[-1], fit=replace(ladder[-1].fit, **fit))
-    last: Any = SimpleNamespace(comparison=comparison(complete))
+    last: Any = SimpleNamespace(comparison=comparison(complete), best=best)
     return LearningResult(tuple(ladder), found, last, left, cut)
 
 
@@ -66,6 +67,11 @@ def test_the_verdict_is_one_sentence_and_never_says_more_than_is_known():
             learned(one, LEFT),
             "unexplained",
             "stribeck found, and still something is missing that no single effect",
+        ),
+        (
+            learned(one, LEFT, False, best=SimpleNamespace(effect="offset", error_fall=0.163)),
+            "unexplained",
+            "stribeck found, and more is missing and not in the model yet: offset, which takes 16.3 % off",
         ),
         (
             learned((), LEFT, cut=cut),

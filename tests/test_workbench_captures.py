@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import signal
 from pathlib import Path
 
 import numpy as np
 import pytest
+from command import knobcam, refused
+from workbench_server import started
 
 import knobcam as kc
 from knobcam.base.said import Said
@@ -109,3 +112,22 @@ def test_what_is_said_to_be_missing_is_not_said_to_be_needless_once_it_is_added(
     page = state.document(session)
     assert Said.of(page["concluded"]).startswith("unbalance found")
     assert "too little" not in Said.of(page["verdict"])
+
+
+def test_a_log_whose_columns_have_to_be_named_is_asked_about_on_the_page(tmp_path: Path) -> None:
+    t = np.arange(0.0, 2.0, 1e-3)
+    log = tmp_path / "log.csv"
+    columns = np.column_stack([t, np.sin(9.0 * t), np.cos(9.0 * t) + 0.1 * np.sign(np.cos(9.0 * t))])
+    np.savetxt(log, columns, delimiter=",", header="zeit,qm,u", comments="")
+    with started(log) as (client, process):
+        state = client.get("/api/state").json()
+        assert state["unread"] == [str(log)] and state["captures"] == []
+        asked = client.post("/api/open", json={"path": str(log)})
+        assert asked.status_code == 400 and [one["name"] for one in asked.json()["columns"]]
+        mapped = {"map": "t=zeit [s], theta=qm [rad], tau=u [N m]"}
+        assert client.post("/api/open", json={"path": str(log), **mapped}).status_code == 200
+        assert client.get("/api/state").json()["unread"] == []
+        process.send_signal(signal.SIGTERM)
+        process.wait(20.0)
+        assert process.stderr is not None and "the page asks for it, too" in process.stderr.read()
+    refused(knobcam("workbench", "--no-browser", log, "--map", "t=zeit"), "theta is missing")

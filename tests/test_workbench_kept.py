@@ -7,8 +7,6 @@ import os
 import random
 import signal
 import stat
-import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -19,13 +17,12 @@ from typing import Any
 import httpx
 import pytest
 from command import knobcam, refused
-from workbench_server import served, wrong
+from workbench_server import served, started, wrong
 
 import knobcam as kc
 from knobcam.errors import InputError
 from knobcam.workbench import challenge, journal, kept, saving
 from knobcam.workbench.bench import Bench
-from knobcam.workbench.guard import HEADER
 from knobcam.workbench.journal import Journal
 from knobcam.workbench.sources import Simulated
 from knobcam.workbench.tree import Start
@@ -347,26 +344,13 @@ def test_the_page_is_told_how_it_looked(client: httpx.Client) -> None:
     assert client.get("/api/state").json()["looked"]["view"] == usual
 
 
-@contextmanager
-def workbench(*words: object) -> Iterator[tuple[httpx.Client, subprocess.Popen[str]]]:
-    command = [sys.executable, "-m", "knobcam", "workbench", "--no-browser", *map(str, words)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        try:
-            assert process.stdout is not None
-            base, token = process.stdout.readline().strip().split("/?token=")
-            with httpx.Client(base_url=base, headers={HEADER: token}, timeout=60.0) as client:
-                yield client, process
-        finally:
-            process.kill()
-
-
 def test_a_session_survives_kill_9(small: Path) -> None:
-    with workbench(small) as (client, process):
+    with started(small) as (client, process):
         client.post("/api/add", json={"effect": "quadratic_drag"})
         client.post("/api/branch", json={"name": "last"})
         before = client.get("/api/state").json()
         process.send_signal(signal.SIGKILL)
-    with workbench() as (client, process):
+    with started() as (client, process):
         (left,) = client.get("/api/state").json()["left"]
         assert (left["ended"], left["captures"]) == (False, ["small.npz"])
         process.send_signal(signal.SIGINT)
@@ -374,7 +358,7 @@ def test_a_session_survives_kill_9(small: Path) -> None:
         assert (
             process.stderr is not None and "a session broke off (small.npz; fits: 2)" in process.stderr.read()
         )
-    with workbench("--continue") as (client, process):
+    with started("--continue") as (client, process):
         after = client.get("/api/state").json()
         assert after["params"] == before["params"]
         assert after["branches"] == before["branches"]

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -41,6 +43,20 @@ def served(bench: Bench) -> Iterator[httpx.Client]:
                 serving.should_exit = True
                 thread.join()
                 bench.close()
+
+
+@contextmanager
+def started(*given: object) -> Iterator[tuple[httpx.Client, subprocess.Popen[str]]]:
+    """Start the command, and give a client of its page and its process."""
+    words = [sys.executable, "-m", "knobcam", "workbench", "--no-browser", *map(str, given)]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout is not None
+            base, token = process.stdout.readline().strip().split("/?token=")
+            with httpx.Client(base_url=base, headers={HEADER: token}, timeout=60.0) as client:
+                yield client, process
+        finally:
+            process.kill()
 
 
 def as_the_schema_says(answer: httpx.Response) -> None:

@@ -107,7 +107,7 @@ class App {
       failed: (/** @type {unknown} */ reason) => this.failed(reason),
       say: (/** @type {string} */ words) => this.say(words),
     };
-    opening(heard);
+    this.askOf = opening(heard);
     saving(heard);
     unhiding(heard.failed);
     this.live = new Live({ ...heard, open: (path) => this.ask("open", { path }, "data") });
@@ -227,6 +227,7 @@ class App {
   show(state) {
     if (this.state?.node !== state.node) this.overlay.look(null); // what was weighed there is not weighed here
     if (!this.state?.node && state.node !== null && state.looked) this.lookAgain(state.looked);
+    if (!this.state && state.unread.length > 0) this.askOf?.(state.unread);
     this.state = state;
     known(state);
     const about = aboutOf(state);
@@ -381,8 +382,7 @@ class App {
   /** @param {unknown} reason */
   failed(reason) {
     this.deed = null;
-    const words = wordsOf(reason);
-    byId("said").textContent = this.state ? ofLimits(words, aboutOf(this.state)) : words;
+    this.say(this.state ? ofLimits(wordsOf(reason), aboutOf(this.state)) : wordsOf(reason));
     byId("said").classList.add("wrong");
   }
 }

@@ -12,6 +12,7 @@ import { Mapping } from "./mapping.js";
  * Let captures be dropped anywhere, chosen from a dialog, or named by path.
  * A file that cannot be read as it is stays in the dialog, with its columns, to be mapped by eye.
  * @param {Heard} heard
+ * @returns {(paths: string[]) => void} what asks for the columns of logs that are named so
  */
 export function opening(heard) {
   const dialog = /** @type {HTMLDialogElement} */ (byId("open-dialog"));
@@ -21,6 +22,8 @@ export function opening(heard) {
   const same = /** @type {HTMLInputElement} */ (byId("open-same"));
   /** @type {File[]} what could not be read yet */
   let waiting = [];
+  /** @type {string[]} logs that are read like the one that is asked about, and of the same knob */
+  let alike = [];
   const mapping = new Mapping(byId("open-map"), byId("open-columns"));
 
   const opened = (/** @type {string} */ name) => {
@@ -54,16 +57,30 @@ export function opening(heard) {
     }
   };
 
+  const byPath = async (/** @type {string[]} */ paths) => {
+    for (const [at, one] of paths.entries()) {
+      [path.value, alike] = [one, paths.slice(at + 1)];
+      try {
+        await post("open", { path: one, together: at > 0 || same.checked, ...mapping.options() });
+        path.value = "";
+        opened(one);
+      } catch (reason) {
+        refused(reason);
+        return;
+      }
+    }
+  };
+
   const fresh = (/** @type {File[]} */ files) => {
     mapping.clear(); // other files have columns of their own
-    path.value = "";
+    [path.value, alike] = ["", []];
     byId("open-named").textContent = files.map(({ name }) => name).join(", ");
     return take(files);
   };
 
   byId("open").addEventListener("click", () => {
     mapping.clear();
-    waiting = [];
+    [waiting, alike] = [[], []];
     told.textContent = byId("open-named").textContent = "";
     dialog.showModal();
   });
@@ -83,13 +100,7 @@ export function opening(heard) {
       return undefined;
     }
     if (!named) return take(waiting);
-    try {
-      await post("open", { path: named, together: same.checked, ...mapping.options() });
-      path.value = "";
-      return opened(named);
-    } catch (reason) {
-      return refused(reason);
-    }
+    return byPath([named, ...alike]);
   });
   const zone = byId("drop");
   document.addEventListener("dragover", (event) => {
@@ -104,6 +115,7 @@ export function opening(heard) {
     zone.hidden = true;
     fresh([...(event.dataTransfer?.files ?? [])]);
   });
+  return byPath;
 }
 
 /**

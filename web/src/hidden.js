@@ -59,7 +59,7 @@ function showStanding({ hints, more, wrong, found, hidden, solved, sealed, score
 export function standingWords({ wrong, found, hidden, solved }) {
   const many = hidden === 1 ? "one effect is hidden" : `${hidden} effects are hidden`;
   const costs = wrong.length > 0 ? `; not there: ${wrong.map(titleOf).join(", ")}` : "";
-  if (solved) return `Solved: what was hidden is in the model, and nothing else${costs}.`;
+  if (solved) return `Solved: what was hidden is in the model, and nothing that was not${costs}.`;
   if (found === hidden) return `All that is hidden is in the model, but so is something else${costs}.`;
   return `In this knob ${many}${found > 0 ? `, ${found} of them found` : ""}. Look where the residual has structure, and add what explains it${costs}.`;
 }

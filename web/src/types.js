@@ -251,7 +251,7 @@
  *   proposed: Law[] | null,
  *   proposed_said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   curve: Curve | null, surface: Surface | null, experiment: Experiment | null, job: Job | null,
- *   recording: boolean, looked: Looked | null, left: Left[], notes: string[]}} State
+ *   recording: boolean, looked: Looked | null, unread: string[], left: Left[], notes: string[]}} State
  */
 
 /**

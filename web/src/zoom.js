@@ -16,6 +16,12 @@ const WHEEL = 0.0015; // of the logarithm for a unit of the wheel's turn
 const LINE = 16; // units that a line of the wheel is, where it counts in lines
 const KEY = 1.5; // times for a key
 
+/** Whether the wheel is for the plots below: they stand in a column that scrolls, and this one was not clicked. @param {HTMLElement} plot */
+function toScroll(plot) {
+  const column = plot.parentElement?.parentElement;
+  return column != null && column.scrollHeight > column.clientHeight + 1 && document.activeElement !== plot;
+}
+
 /**
  * Make a plot answer to the wheel and to + and −.
  * @param {Plot} plot
@@ -26,7 +32,7 @@ export function zoomable(plot, deeds) {
   element.addEventListener(
     "wheel",
     (event) => {
-      if (!plot.contents || event.ctrlKey) return; // with it the browser zooms the page
+      if (!plot.contents || event.ctrlKey || toScroll(element)) return; // with ctrl the browser zooms the page
       event.preventDefault();
       const edge = element.getBoundingClientRect();
       const wide = edge.width - MARGIN.left - MARGIN.right;

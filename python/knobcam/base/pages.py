@@ -326,6 +326,7 @@ class State(Session):
     job: Job | None
     recording: bool
     looked: Looked | None
+    unread: list[str]
     left: list[Left]
     notes: list[str]
 

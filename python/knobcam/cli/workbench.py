@@ -70,7 +70,7 @@ def run(args: Namespace) -> Answer:
     bench = Bench(_start(args), usual_folder())
     try:
         if args.captures:
-            bench.session.open(*args.captures, map=args.map, **arguments.reading(args))
+            _open(bench, args)
         elif args.go_on:
             _go_on(bench)
         _tell_what_was_left(bench)
@@ -93,6 +93,26 @@ def run(args: Namespace) -> Answer:
         os._exit(0)
     bench.close()
     return Answer("", {"schema": "knobcam.workbench/1"})
+
+
+def _open(bench: Bench, args: Namespace) -> None:
+    """Open captures; a log whose columns have to be named is left to the page, which asks for them.
+
+    Raises InputError for what is no log, or is read as it was asked for and still none.
+    """
+    from ..capture.formats import DEFAULT_MAX_BYTES
+    from ..workbench.preview import Unmapped, explained
+
+    asked = arguments.reading(args)
+    try:
+        bench.session.open(*args.captures, map=args.map, **asked)
+    except InputError as error:
+        named = args.map or any(value is not None for value in asked.values())
+        unclear = (explained(error, Path(one), {}, DEFAULT_MAX_BYTES) for one in args.captures)
+        if named or not any(isinstance(one, Unmapped) for one in unclear):
+            raise
+        bench.unread = [str(Path(one).absolute()) for one in args.captures]
+        print(f"knobcam: {error}; the page asks for it, too", file=sys.stderr)
 
 
 def _go_on(bench: Bench) -> None:

@@ -198,16 +198,20 @@ class Comparison(showing.Tabled):
         return joined(" ", (self.size, self.place))
 
     @property
-    def size(self) -> Said:
-        """How large the error is, and what noise leaves of it."""
-        fit, unit = self.fit, self.fit.torque_unit
-        head = said(
+    def error(self) -> Said:
+        """How large the error is, in figures."""
+        return said(
             "{error} {rmse}, {explained} of the variance explained, relative error {relative}",
             error=Topic("RMS error", "error"),
-            rmse=number(fit.rmse, unit),
+            rmse=number(self.fit.rmse, self.fit.torque_unit),
             explained=number(100.0 * self.figures.explained, "%", ".1f"),
             relative=number(100.0 * self.figures.relative, "%", ".3g"),
         )
+
+    @property
+    def size(self) -> Said:
+        """How large the error is, and what noise leaves of it."""
+        fit, unit, head = self.fit, self.fit.torque_unit, self.error
         if self.exact:
             return said("{head}; what is left is rounding.", head=head)
         if math.isnan(fit.noise_floor):

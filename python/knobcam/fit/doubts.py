@@ -36,7 +36,7 @@ def doubts(fit: Fit) -> tuple[str, ...]:
         found = [REVERSED]
     else:
         why = (
-            "over these speeds it describes what remains"
+            "over these speeds it stands for something else, as friction that falls with speed"
             if at_floor(fit)
             else "an effect is probably missing"
         )

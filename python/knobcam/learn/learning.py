@@ -17,7 +17,7 @@ from ..base.tables import TextTable, text_table
 from ..capture import Capture
 from ..fit import Fit
 from ..fit.beyond import incoherent
-from ..fit.diagnose import Diagnosis, check_effects, diagnose, p_in_words
+from ..fit.diagnose import Candidate, Diagnosis, check_effects, diagnose, p_in_words
 from ..fit.doubts import log_in_doubt
 from ..fit.fitting import as_logged
 from ..fit.refit import percent
@@ -133,6 +133,11 @@ class LearningResult(showing.Tabled):
         return self.weighed.comparison
 
     @property
+    def not_added(self) -> Candidate | None:
+        """What could be missing still and was not added, as where a person stopped; None where nothing is."""
+        return None if self.cut is not None else self.weighed.best
+
+    @property
     def headline(self) -> Said:
         """The verdict in one sentence, and in others what it may be wrong by and what was left out of it."""
         beyond = self.fit.beyond
@@ -193,6 +198,13 @@ class LearningResult(showing.Tabled):
                     share=share,
                     along=along,
                     hint=what.hint,
+                )
+            if (best := self.not_added) is not None:
+                return said(
+                    "{what} is missing and not in the model yet: {best}, which takes {fall} off the error.",
+                    what=head(", and more", "Something"),
+                    best=OfEffect(best.effect),
+                    fall=percent(best.error_fall).lstrip("+-"),
                 )
             template = (
                 "{something} is missing that no single effect of the catalogue explains: {share} of the "

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections import Counter
 from html import escape
 from importlib import resources
 from pathlib import Path
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from ..fit import Fit
     from ..fit.diagnose import Diagnosis
     from ..learn import LearningResult
-    from ..learn.ladder import LearningStep, Unexplained
+    from ..learn.ladder import LearningStep
 
 
 def write(learned: LearningResult, path: str | os.PathLike[str]) -> Path:
@@ -67,7 +68,9 @@ def html(learned: LearningResult) -> str:
 def _title(learned: LearningResult) -> str:
     from .plot.style import name_of  # with what draws, which a page alone does not need
 
-    return f"What is missing in the model of {', '.join(map(name_of, learned.captures))}"
+    names = Counter(map(name_of, learned.captures))
+    known = (name if count == 1 else f"{name} ({count} captures)" for name, count in names.items())
+    return f"What is missing in the model of {', '.join(known)}"
 
 
 def _untold(learned: LearningResult) -> str:
@@ -80,14 +83,15 @@ def _untold(learned: LearningResult) -> str:
     said += [one.message for one in learned.limitations]
     said += [f"{param_word(name, kind)}: {why}" for name, why in learned.fit.undetermined.items()]
     if learned.unexplained is not None:
-        said.append(_unexplained(learned.unexplained))
+        said.append(_unexplained(learned))
     return bullets(said) if said else paragraph("Nothing that was asked of them.")
 
 
 def _next(learned: LearningResult) -> str:
     said = []
     if untold(learned):
-        said.append("the motion that tells them apart, which `knobcam next` designs for these captures")
+        how = "Tell apart in the workbench, or `knobcam next`,"
+        said.append(f"the motion that tells them apart, which {how} designs for these captures")
     said += dict.fromkeys(one.record for one in learned.limitations)
     if learned.record is not None:
         said.append(f"to see more of what no effect explains: {learned.record}")
@@ -107,8 +111,8 @@ def _facts(learned: LearningResult) -> str:
 
 def _found(learned: LearningResult) -> str:
     """Each effect that came in: its law, its values, its evidence."""
+    kind = learned.model.coordinate
     if not learned.found:
-        kind = learned.model.coordinate
         tried = " and ".join(effect_word(step.added, kind) for step in learned.ladder if step.added)
         why = f"{tried} came in, but cannot be named as the cause" if tried else "no effect was added"
         return paragraph(f"Nothing of the catalogue: {why}.")
@@ -116,13 +120,17 @@ def _found(learned: LearningResult) -> str:
     for step in learned.ladder:
         if step.added not in learned.found:
             continue
-        entry = catalogued(step.added, learned.model.coordinate)
+        entry = catalogued(step.added, kind)
         parts.append(f"<h3>{escape(entry.title)}</h3>")
-        about = f"{entry.about} Acts on the {entry.place}; shows {entry.shows}."
+        shows = f"; shows {entry.shows}" if entry.shows else ""
+        about = f"{entry.about} Acts on the {entry.place}{shows}."
         parts.append(paragraph(about) + law(entry.latex, entry.law))
-        parts.append(paragraph(_evidence(step, learned.model.coordinate)))
+        parts.append(paragraph(_evidence(step, kind)))
         parts.append(paragraph(f"Source: {entry.source}.", "soft"))
         parts.append(_params("As fitted in the end", learned, step.added))
+    came = (step.added for step in learned.ladder if step.added in learned.model.effects)
+    if beside := [effect_word(one, kind) for one in came if one and one not in learned.found]:
+        parts.append(paragraph(f"In the model too, but not named as causes: {', '.join(beside)}."))
     return "\n".join(parts)
 
 
@@ -170,8 +178,8 @@ def _alternatives(learned: LearningResult) -> str:
     """What was weighed on each step, and what looks alike in this capture."""
     parts = []
     for step in learned.ladder:
-        if step.added is None or step.diagnosis is None:
-            continue
+        if step.added is None or step.diagnosis is None or not step.diagnosis.candidates:
+            continue  # what a model brought along was weighed on other captures
         kind = learned.model.coordinate
         parts.append(f"<h3>Instead of {escape(effect_word(step.added, kind))}</h3>")
         if step.equivalent:
@@ -182,7 +190,7 @@ def _alternatives(learned: LearningResult) -> str:
             )
             parts.append(bullets(shows))
         else:
-            parts.append(paragraph("No other effect of the catalogue explains the capture as well."))
+            parts.append(paragraph("No other effect explains as much for its number of parameters."))
         parts.append(_weighed(step.diagnosis))
     parts.append("<h3>Weighed in the end, and not added</h3>")
     parts.append(_weighed(learned.last))
@@ -208,7 +216,7 @@ def _weighed(diagnosis: Diagnosis) -> str:
 def _remains(learned: LearningResult) -> str:
     parts = [paragraph(learned.after.summary)]
     if learned.unexplained is not None:
-        parts.append(paragraph(f"Unexplained: {_unexplained(learned.unexplained)}"))
+        parts.append(paragraph(f"Unexplained: {_unexplained(learned)}"))
     said = "Where the last model fails: the residual along every axis, beside the band of chance."
     if len(learned.ladder) > 1:
         parts.append(figure(learned.after.plot(), said))
@@ -218,11 +226,16 @@ def _remains(learned: LearningResult) -> str:
     return "\n".join(parts)
 
 
-def _unexplained(what: Unexplained) -> str:
-    return (
-        f"{100.0 * what.share:.0f} % of the remaining error variance lies along {what.axis}; {what.hint}. "
-        f"No effect of the catalogue does that."
-    )
+def _unexplained(learned: LearningResult) -> str:
+    what, best = learned.unexplained, learned.not_added
+    assert what is not None
+    does = "No effect of the catalogue does that."
+    if best is not None:
+        does = (
+            f"{effect_word(best.effect, learned.model.coordinate)} could be missing, and is not in the model."
+        )
+    share = f"{100.0 * what.share:.0f} % of the remaining error variance lies along {what.axis}"
+    return f"{share}; {what.hint}. {does}"
 
 
 def _noise(fit: Fit) -> str:

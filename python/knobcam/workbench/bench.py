@@ -31,7 +31,10 @@ class Bench:
     """One session, a thread for what a person waits for, one that weighs meanwhile, and one that records."""
 
     def __init__(self, start: Start | None = None, kept_in: Path | None = None) -> None:
-        """`kept_in` is the folder in which the session is kept while it goes on; None: nowhere."""
+        """`kept_in` is the folder in which the session is kept while it goes on; None: nowhere.
+
+        `unread` are logs that were to be opened, of which a person has to say first which column is which.
+        """
         self.session = Session(self._changed, start)
         self.work = Worker("knobcam-work", self._moved)
         self.weighing = Worker("knobcam-weighing", self._moved, humble=True)
@@ -39,6 +42,7 @@ class Bench:
         self.trying = Worker("knobcam-trying", lambda _: None)
         self.recorder = Recorder(self.session, self._moved)
         self.listeners: set[Hear] = set()
+        self.unread: list[str] = []
         self.keeper = None if kept_in is None else Keeper(self.session, kept_in, self._say_state)
         self._weighed = ""
         self._lock = threading.Lock()
@@ -52,6 +56,7 @@ class Bench:
             "job": None if job is None else self._described(job),
             "recording": self.recorder.busy,
             "looked": cast("pages.Looked | None", self.session.looked),
+            "unread": [] if known["captures"] else self.unread,
             "left": [] if keeper is None or known["captures"] else keeper.left,
             "notes": [] if keeper is None else [*keeper.notes, *([keeper.unkept] if keeper.unkept else [])],
         }

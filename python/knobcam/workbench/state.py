@@ -284,7 +284,9 @@ def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, story: Lear
         return joined(" ", (vain, "What could be missing is not weighed yet."))
     compared, beyond = diagnosis.comparison, diagnosis.fit.beyond
     if story is None:  # what is missing the page says first, of the candidates
-        return joined(" ", (vain, compared.summary, beyond and beyond.sentence))
+        # Chance may explain the error as a whole, and an effect still a part of it: not both is said.
+        size = said("{error}.", error=compared.error) if compared.complete else compared.summary
+        return joined(" ", (vain, size, beyond and beyond.sentence))
     # Where it is worst is said once.
     told = any(isinstance(part, Stretch) for part in story.headline.parts)
     return joined(" ", (vain, compared.size if told else compared.summary))

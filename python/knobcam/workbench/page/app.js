@@ -1664,6 +1664,7 @@ function opening(heard) {
     byId("open-same")
   );
   let waiting = [];
+  let alike = [];
   const mapping = new Mapping(byId("open-map"), byId("open-columns"));
   const opened = (name) => {
     dialog2.close();
@@ -1694,15 +1695,28 @@ function opening(heard) {
       }
     }
   };
+  const byPath = async (paths) => {
+    for (const [at, one] of paths.entries()) {
+      [path.value, alike] = [one, paths.slice(at + 1)];
+      try {
+        await post("open", { path: one, together: at > 0 || same.checked, ...mapping.options() });
+        path.value = "";
+        opened(one);
+      } catch (reason2) {
+        refused(reason2);
+        return;
+      }
+    }
+  };
   const fresh = (files) => {
     mapping.clear();
-    path.value = "";
+    [path.value, alike] = ["", []];
     byId("open-named").textContent = files.map(({ name }) => name).join(", ");
     return take(files);
   };
   byId("open").addEventListener("click", () => {
     mapping.clear();
-    waiting = [];
+    [waiting, alike] = [[], []];
     told.textContent = byId("open-named").textContent = "";
     dialog2.showModal();
   });
@@ -1722,13 +1736,7 @@ function opening(heard) {
       return void 0;
     }
     if (!named2) return take(waiting);
-    try {
-      await post("open", { path: named2, together: same.checked, ...mapping.options() });
-      path.value = "";
-      return opened(named2);
-    } catch (reason2) {
-      return refused(reason2);
-    }
+    return byPath([named2, ...alike]);
   });
   const zone = byId("drop");
   document.addEventListener("dragover", (event) => {
@@ -1743,6 +1751,7 @@ function opening(heard) {
     zone.hidden = true;
     fresh([...event.dataTransfer?.files ?? []]);
   });
+  return byPath;
 }
 function saving(heard) {
   for (const button of document.querySelectorAll("[data-save]")) {
@@ -1804,7 +1813,7 @@ function showStanding({ hints, more, wrong, found: found2, hidden, solved, seale
 function standingWords({ wrong, found: found2, hidden, solved }) {
   const many = hidden === 1 ? "one effect is hidden" : `${hidden} effects are hidden`;
   const costs = wrong.length > 0 ? `; not there: ${wrong.map(titleOf).join(", ")}` : "";
-  if (solved) return `Solved: what was hidden is in the model, and nothing else${costs}.`;
+  if (solved) return `Solved: what was hidden is in the model, and nothing that was not${costs}.`;
   if (found2 === hidden) return `All that is hidden is in the model, but so is something else${costs}.`;
   return `In this knob ${many}${found2 > 0 ? `, ${found2} of them found` : ""}. Look where the residual has structure, and add what explains it${costs}.`;
 }
@@ -2801,12 +2810,16 @@ var CLOSEST = 1e-4;
 var WHEEL = 15e-4;
 var LINE = 16;
 var KEY = 1.5;
+function toScroll(plot) {
+  const column = plot.parentElement?.parentElement;
+  return column != null && column.scrollHeight > column.clientHeight + 1 && document.activeElement !== plot;
+}
 function zoomable(plot, deeds) {
   const { element: element2 } = plot;
   element2.addEventListener(
     "wheel",
     (event) => {
-      if (!plot.contents || event.ctrlKey) return;
+      if (!plot.contents || event.ctrlKey || toScroll(element2)) return;
       event.preventDefault();
       const edge = element2.getBoundingClientRect();
       const wide = edge.width - MARGIN.left - MARGIN.right;
@@ -4654,7 +4667,7 @@ var App = class {
       failed: (reason2) => this.failed(reason2),
       say: (words3) => this.say(words3)
     };
-    opening(heard);
+    this.askOf = opening(heard);
     saving(heard);
     unhiding(heard.failed);
     this.live = new Live({ ...heard, open: (path) => this.ask("open", { path }, "data") });
@@ -4775,6 +4788,7 @@ var App = class {
   show(state) {
     if (this.state?.node !== state.node) this.overlay.look(null);
     if (!this.state?.node && state.node !== null && state.looked) this.lookAgain(state.looked);
+    if (!this.state && state.unread.length > 0) this.askOf?.(state.unread);
     this.state = state;
     known(state);
     const about2 = aboutOf(state);
@@ -4927,8 +4941,7 @@ var App = class {
   /** @param {unknown} reason */
   failed(reason2) {
     this.deed = null;
-    const words3 = wordsOf(reason2);
-    byId("said").textContent = this.state ? ofLimits(words3, aboutOf(this.state)) : words3;
+    this.say(this.state ? ofLimits(wordsOf(reason2), aboutOf(this.state)) : wordsOf(reason2));
     byId("said").classList.add("wrong");
   }
 };
