@@ -201,6 +201,12 @@ def test_an_experiment_says_what_it_tells_and_what_it_would_take():
     ]
     sharp = designed(sharpened=(Sharpened("inertia.M", 0.4, 0.1, 0.2),))
     assert sharp.headline == "inertia.M would be known 4 times as well after 4 s: to and fro."
+    blunt = designed(sharpened=(Sharpened("detent.S", 0.4, 0.38, 0.4),))
+    assert (blunt.useful, sharp.useful) == (False, True) and blunt.promise is None
+    assert blunt.headline.endswith("limits makes detent.S known better than these captures do.")
+    plain = replace(both, expected=tuple(one._replace(standard_d=TOLD) for one in both.expected))
+    assert plain.headline.endswith(": to and fro. Standard motions within these limits would, too.")
+    assert both.headline.endswith(": to and fro.")
     assert (
         sharp.rows() == [("inertia.M", "0.4", "0.1", "0.2")]
         and sharp.tables()[0].head == Experiment.SHARPENED
@@ -224,10 +230,10 @@ def design(monkeypatch: pytest.MonkeyPatch, asks: float, told: float = 5.0, n: i
     def peak(track: Any, *, draws: bool) -> float:
         return asks * float(np.max(np.abs(track.omega))) / LIMITS.omega_rad_s
 
-    fit = SimpleNamespace(
-        core=SimpleNamespace(free=["inertia.M", "coulomb.pos"]),
-        params={"inertia.M": estimate(1e-4, 1e-5), "coulomb.pos": estimate(0.02, 4e-3)},
-    )
+    known = {"inertia.M": estimate(1e-4, 1e-5), "coulomb.pos": estimate(0.02, 4e-3)}
+    known["detent.S"] = estimate(1e-6, 0.1)  # a phase near zero is known as well as any other
+    model = SimpleNamespace(params=known, catalogue=kc.effects)
+    fit = SimpleNamespace(core=SimpleNamespace(free=[*known]), params=known, model=model)
     telling: Any = SimpleNamespace(
         peak=peak,
         rivals=[SimpleNamespace(fit=fit)] * n,
@@ -299,7 +305,7 @@ def test_the_parameter_to_be_sharpened_is_the_one_that_is_known_worst(monkeypatc
     alone = design(monkeypatch, 0.1, n=1)
     assert alone.param == "coulomb.pos" and design(monkeypatch, 0.1).param is None
     assert replace(alone, sharpen="inertia.M").param == "inertia.M"
-    with pytest.raises(InputError, match=r"known are inertia\.M, coulomb\.pos"):
+    with pytest.raises(InputError, match=r"known are inertia\.M, coulomb\.pos, detent\.S"):
         _ = replace(alone, sharpen="viscous.pos").param
     alone.telling.errors = lambda track, rate_hz: {"coulomb.pos": 300.0 / rate_hz}  # type: ignore[method-assign,assignment]
     track: Any = None

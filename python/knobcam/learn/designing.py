@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from ..base.arrays import FloatArray
     from ..capture.motion_plan import MotionPlan
     from ..capture.motions import MotionTrack
+    from ..model import Model
     from .learning import LearningResult
 
 STANDARD = ("sweep", "multisine", "turns", "hand")
@@ -147,7 +148,9 @@ class _Design:
                     f"sharpen={self.sharpen!r}: is no parameter that was fitted; known are {known}"
                 )
             return self.sharpen
-        return max(core.free, key=lambda name: params[name].se / max(abs(params[name].value), 1e-300))
+        phases = _phases(self.telling.rivals[0].fit.model)
+        scale = {name: 1.0 if name in phases else max(abs(params[name].value), 1e-300) for name in core.free}
+        return max(core.free, key=lambda name: params[name].se / scale[name])
 
     def of(self, rival: Rival) -> _Design:
         """Return the search for one of the rivals alone."""
@@ -345,6 +348,16 @@ class _Design:
                     shown = "theta_max_rad" if name == "theta" else name
                     return Change(shown, getattr(wider, shown), d)
         return None
+
+
+def _phases(model: Model) -> set[str]:
+    """Return the parameters that are phases, of which zero is a value like any other."""
+    catalogue = model.catalogue()
+    return {
+        name
+        for name, (effect, _, own) in ((name, name.partition(".")) for name in model.params)
+        if effect in catalogue and catalogue[effect].parameter(own).meaning.endswith("phase")
+    }
 
 
 def _best(scored: Sequence[_Scored]) -> list[tuple[Piece, ...]]:

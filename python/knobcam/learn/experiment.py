@@ -42,6 +42,10 @@ class Sharpened(NamedTuple):
     after_standard: float
 
 
+_SHARPER = 1.1
+"""Times as well that a parameter has to be known after a motion for which it is worth recording."""
+
+
 class Change(NamedTuple):
     """The limit that would have to be widened, to what, and the least D then."""
 
@@ -78,13 +82,20 @@ class Experiment(showing.Tabled):
     @property
     def useful(self) -> bool:
         """Whether some of the rivals are told apart, or a parameter is known better."""
-        return bool(self.sharpened) or any(one.d >= TOLD for one in self.expected)
+        return self._sharper or any(one.d >= TOLD for one in self.expected)
+
+    @property
+    def _sharper(self) -> bool:
+        """Whether the parameter that was asked for would be known better."""
+        return any(one.before >= _SHARPER * one.after for one in self.sharpened)
 
     @property
     def promise(self) -> Said | None:
         """What the motion would tell, without how it moves; None where it tells nothing."""
         if self.sharpened:
             one = self.sharpened[0]
+            if not self._sharper:
+                return None
             return said(
                 "{param} would be known {times:.3g} times as well after {seconds:.3g} s",
                 param=OfParam(one.param),
@@ -104,7 +115,10 @@ class Experiment(showing.Tabled):
 
     @property
     def untold(self) -> Said | None:
-        """Which of the rivals no motion tells apart; None where one does."""
+        """Which of the rivals no motion tells apart, or what none makes known better; None where one does."""
+        if self.sharpened and not self._sharper:
+            better = "No motion within these limits makes {param} known better than these captures do."
+            return said(better, param=OfParam(self.sharpened[0].param))
         if self.sharpened or self.separable:
             return None
         worst = min(self.expected, key=lambda one: one.d)
@@ -120,7 +134,13 @@ class Experiment(showing.Tabled):
         """What the motion would tell, and how it moves, in a sentence."""
         promise = self.promise
         whole = promise and said("{promise}: {about}.", promise=promise, about=self.plan.about)
-        return joined(" ", (whole, self.untold, self._left_out))
+        return joined(" ", (whole, self._as_usual, self.untold, self._left_out))
+
+    @property
+    def _as_usual(self) -> str:
+        """That no motion had to be designed for this, where that is so."""
+        usual = self.separable and min((one.standard_d for one in self.expected), default=0.0) >= TOLD
+        return "Standard motions within these limits would, too." if usual else ""
 
     @property
     def _left_out(self) -> Said | None:
