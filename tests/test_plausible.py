@@ -21,7 +21,7 @@ from knobcam.learn.contenders import BASE
 from knobcam.learn.designing import _Design, _widened
 from knobcam.learn.experiment import Change, Expected, Experiment, Sharpened, _percent
 from knobcam.learn.limits import Limits
-from knobcam.learn.telling import TOLD
+from knobcam.learn.telling import TOLD, Rival, apart
 
 SURE = {"inertia.M": (1e-4, 1e-6), "coulomb.neg": (0.02, 1e-4), "coulomb.pos": (0.02, 1e-4)}
 SURE |= {"viscous.neg": (1e-3, 1e-5), "viscous.pos": (1e-3, 1e-5)}
@@ -199,6 +199,11 @@ def test_an_experiment_says_what_it_tells_and_what_it_would_take():
         ("base or stribeck", "30", "0.31 %", "15"),
         ("base or offset", "10.8", "5 %", "5.4"),
     ]
+    rivals = (("stribeck", "unbalance"), ("stribeck", "detent", "offset"))
+    fit: Any = None
+    names = [Rival(one, fit) for one in rivals]
+    assert apart(names) == ("unbalance", "detent + offset")
+    assert apart([names[0], Rival(("stribeck",), fit)]) == ("stribeck + unbalance", "stribeck")
     sharp = designed(sharpened=(Sharpened("inertia.M", 0.4, 0.1, 0.2),))
     assert sharp.headline == "inertia.M would be known 4 times as well after 4 s: to and fro."
     blunt = designed(sharpened=(Sharpened("detent.S", 0.4, 0.38, 0.4),))

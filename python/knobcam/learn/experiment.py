@@ -12,7 +12,7 @@ from ..base.tables import TextTable, text_table
 from ..capture.motion_plan import MotionPlan
 from ..capture.motions import MotionTrack
 from .limits import Limits
-from .telling import TOLD, Rival, wrong_choice
+from .telling import TOLD, Rival, apart, wrong_choice
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -151,7 +151,8 @@ class Experiment(showing.Tabled):
         return said(why, names=joined(", ", (one.name for one in self.left_out)))
 
     def _names(self, one: Expected) -> Said:
-        return joined(" and ", (self.rivals[i].name for i in one.pair))
+        names = apart(self.rivals)
+        return joined(" and ", (names[i] for i in one.pair))
 
     def _changed(self) -> str:
         if self.change is None:
@@ -205,7 +206,7 @@ class Experiment(showing.Tabled):
             ]
         rows: list[tuple[str, ...]] = []
         for one in self.expected:
-            names = " or ".join(self.rivals[i].name for i in one.pair)
+            names = " or ".join(apart(self.rivals)[i] for i in one.pair)
             rows.append((names, f"{one.d:.3g}", _percent(one.wrong_choice), f"{one.standard_d:.3g}"))
         return rows
 

@@ -22,6 +22,8 @@ from ..model.effects import effects as catalogue
 from ..model.simulate import exact
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ..base.arrays import FloatArray
     from ..capture.formats.units import Coordinate
     from ..capture.motions import MotionTrack
@@ -51,6 +53,15 @@ class Rival:
     def name(self) -> Said:
         """Return it for people."""
         return joined(" + ", map(OfEffect, self.effects)) or Said("the base model alone")
+
+
+def apart(rivals: Sequence[Rival]) -> tuple[Said, ...]:
+    """Return names of rivals by what they do not all have, where each has something of that."""
+    all_have = set(rivals[0].effects).intersection(*(one.effects for one in rivals))
+    own = [[effect for effect in one.effects if effect not in all_have] for one in rivals]
+    if not all_have or not all(own):
+        return tuple(one.name for one in rivals)
+    return tuple(joined(" + ", map(OfEffect, effects)) for effects in own)
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,7 @@ from ..fit import fit
 from ..fit.rule import RULE
 from ..learn.designing import SEARCH, next_experiment
 from ..learn.limits import Limits
-from ..learn.telling import TOLD, Telling, wrong_choice
+from ..learn.telling import TOLD, Telling, apart, wrong_choice
 from ..model import Model
 from ..model.simulate import exact
 
@@ -210,7 +210,7 @@ def _kept(found: Experiment, node: str) -> Designed:
     return Designed(
         "",
         node,
-        tuple(one.name for one in found.rivals),
+        apart(found.rivals),
         tuple(one.fit.model for one in found.rivals),
         found.plan,
         found.limits,
