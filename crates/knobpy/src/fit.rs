@@ -11,7 +11,7 @@ use knobcore::diagnose::{
     in_place as in_place_core, judge as judge_core, locate as locate_core, pairs as pairs_core,
     sets as sets_core, worth_adding,
 };
-use knobcore::fit::{Detents, Fit, fit as fit_core, report, sketch};
+use knobcore::fit::{Detents, Fit, fit as fit_core, report, sketch_within};
 use knobcore::floor::{Unheard, unheard as unheard_core};
 use knobcore::rule::{Row, Rule, rule, settle};
 use knobcore::stiction::{Estimate, stiction as stiction_core};
@@ -279,19 +279,20 @@ pub fn fit(
     watched(py, model, || fit_core(signals, model, detents))?.map(PyFit).map_err(input_error)
 }
 
-/// Fits a model from the values that it has, near its best; not `thorough`: as far as comparing models needs.
+/// Fits a model from values near its best; not `thorough`: to compare, given up where an RMS error `within` is out of reach.
 #[pyfunction]
+#[pyo3(signature = (data, model, thorough, within=f64::INFINITY))]
 pub fn refine(
     py: Python<'_>,
     data: Vec<PyRef<'_, PySignals>>,
     model: &PyModel,
     thorough: bool,
+    within: f64,
 ) -> PyResult<PyFit> {
     let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
     let (model, signals) = (&model.0, &signals[..]);
-    let work = || {
-        if thorough { converge(signals, model) } else { report(signals, model, sketch(signals, model)) }
-    };
+    let sketched = || report(signals, model, sketch_within(signals, model, within));
+    let work = || if thorough { converge(signals, model) } else { sketched() };
     watched(py, model, work)?.map(PyFit).map_err(input_error)
 }
 
@@ -388,8 +389,7 @@ pub fn sets(
 ) -> PyResult<Vec<(Vec<&'static str>, PyFit)>> {
     let parsed =
         |(effect, from): &(String, PyRef<'_, PyModel>)| Ok((own_id(&from.0, effect)?, from.0.clone()));
-    let pool =
-        pool.iter().map(parsed).collect::<Result<Vec<_>, knobcore::error::Error>>().map_err(input_error)?;
+    let pool = pool.iter().map(parsed).collect::<knobcore::error::Result<Vec<_>>>().map_err(input_error)?;
     let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
     let (model, signals) = (&model.0, &signals[..]);
     let progress = Progress::of(progress);

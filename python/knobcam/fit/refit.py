@@ -56,12 +56,15 @@ def add(
     return converged(replace(fit, core=core, before=fit))
 
 
-def started(fit: Fit, effect: str, start: Mapping[str, float]) -> Fit:
-    """Return the fit with one effect more, its parameters started from these values; not converged yet."""
+def started(fit: Fit, effect: str, start: Mapping[str, float], within: float = math.inf) -> Fit:
+    """Return the fit with one effect more, its parameters started from these values; not converged yet.
+
+    Given up where an RMS error `within` that, N m, seems out of reach.
+    """
     model = fit.model.with_effect(effect)
     for name, value in start.items():
         model = model.with_value(f"{effect}.{name}", value)
-    return replace(fit, core=_core.refine(cores(fit), model.core, False), before=fit)
+    return replace(fit, core=_core.refine(cores(fit), model.core, False, within), before=fit)
 
 
 def cores(fit: Fit) -> list[_core.Signals]:

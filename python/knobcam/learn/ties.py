@@ -90,7 +90,7 @@ def _as_far(bare: Fit, step: LearningStep, others: Sequence[str]) -> dict[str, F
         weighed = step.diagnosis[other].parameters if step.diagnosis is not None else {}
         start = {name.partition(".")[2]: one.value for name, one in weighed.items() if "@" not in name}
         try:
-            near = started(bare, other, start)
+            near = started(bare, other, start, RULE.hopeless * bare.noise_floor)
         except InputError:
             continue  # another joint does not go beside the one that there is
         if near.rmse < RULE.hopeless * near.noise_floor and at_floor(end := converged(near)):

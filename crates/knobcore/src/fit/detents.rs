@@ -3,7 +3,8 @@
 use super::at;
 use super::hidden::{behind, loads};
 use super::scan::{LEAST_PHASE, Scan, range, scan};
-use super::separable::{Effort, Found, Layout, Status, descend};
+use super::separable::{Effort, Found, Layout, descend};
+use super::status::Status;
 use crate::effects::{Id, Wave};
 use crate::error::Result;
 use crate::floor::Floor;

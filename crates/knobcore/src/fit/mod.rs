@@ -14,6 +14,7 @@ mod scan;
 mod separable;
 mod serial;
 mod solve;
+mod status;
 mod through;
 mod undetermined;
 mod uneven;
@@ -27,8 +28,9 @@ pub use orders::beside as beside_orders;
 pub(crate) use runs::{differ, runs, settled};
 pub use scan::Scan;
 pub(crate) use scan::{band, range};
-pub use separable::{Found, Status};
+pub use separable::Found;
 pub(crate) use solve::least;
+pub use status::Status;
 pub(crate) use through::{Shown, Through};
 pub use undetermined::Undetermined;
 
@@ -160,6 +162,12 @@ pub fn waves(data: &[&Signals], model: &Model, wave: Wave) -> Vec<[f64; 3]> {
 /// The values that a sketchy descent from those of `model` ends with.
 pub fn sketch(data: &[&Signals], model: &Model) -> Found {
     descend(data, model, &Layout::of(model), &model.values(), Effort::Sketch)
+}
+
+/// The same, given up where an RMS error of so much seems out of reach.
+pub fn sketch_within(data: &[&Signals], model: &Model, rmse: f64) -> Found {
+    let most = rmse.powi(2) * data.iter().map(|one| one.used() as f64).sum::<f64>();
+    descend(data, model, &Layout::of(model), &model.values(), Effort::Within(most))
 }
 
 /// The values that a few steps from those of `model` lead to.

@@ -8,6 +8,7 @@
 use super::moments::Moments;
 use super::passes::Passes;
 use super::solve::{Normal, independent};
+use super::status::Status;
 use crate::algebra::squares;
 use crate::model::{Model, Role};
 use crate::param::Kind;
@@ -15,12 +16,14 @@ use crate::predict::Seeds;
 use crate::signals::Signals;
 
 /// How far to go.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Effort {
     /// To the optimum.
     Full,
     /// Until what is left to gain would not change which of several models is the better one.
     Sketch,
+    /// The same, and no further than where a sum of squares of so much seems out of reach.
+    Within(f64),
     /// A few steps: enough to tell which of many starts lead somewhere.
     Glance,
 }
@@ -30,7 +33,7 @@ impl Effort {
     fn evaluations(self) -> usize {
         match self {
             Self::Full => 60,
-            Self::Sketch => 35,
+            Self::Sketch | Self::Within(_) => 35,
             Self::Glance => 6,
         }
     }
@@ -39,8 +42,17 @@ impl Effort {
     fn least_gain(self) -> f64 {
         if self == Self::Full { 0.0 } else { 2e-4 }
     }
+
+    /// Whether steps from a sum of squares, of which the next promises so much less, lead to what is too much.
+    fn in_vain(self, cost: f64, promised: f64) -> bool {
+        matches!(self, Self::Within(most) if cost - FAR * promised > most)
+    }
 }
 
+/// Times what a step promises of a sum of squares that all the steps after it may take off.
+const FAR: f64 = 4.0;
+/// Steps after which what they promise is believed.
+const BELIEVED: usize = 3;
 /// A step that promises less than this share of the mean square error is taken and ends the fit: it moves no
 /// parameter by more than a thirtieth of its standard error, and what is left after it is its square.
 const PREDICTED: f64 = 1e-3;
@@ -58,55 +70,6 @@ const EXACT: f64 = 1e-22;
 const LOST: f64 = 1e12;
 /// Most that a positive parameter moves in one step, as a power of e.
 const LONGEST: f64 = 1.0;
-
-/// Why the fit stopped.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Status {
-    /// No parameter is free.
-    Fixed,
-    /// All parameters are linear: solved in one go.
-    Linear,
-    /// No step lowers the error any more.
-    Converged,
-    /// What is left is rounding.
-    Exact,
-    /// The damping grew until no step was left: the surface is rough here.
-    Stalled,
-    /// Out of trials.
-    Limit,
-}
-
-impl Status {
-    /// One word, for programs.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Fixed => "fixed",
-            Self::Linear => "linear",
-            Self::Converged => "converged",
-            Self::Exact => "exact",
-            Self::Stalled => "stalled",
-            Self::Limit => "limit",
-        }
-    }
-
-    /// A sentence, with what to try.
-    pub fn message(self) -> &'static str {
-        match self {
-            Self::Fixed => "No parameter is free: nothing was fitted.",
-            Self::Linear => "All parameters are linear: solved directly.",
-            Self::Converged => "Converged: no step lowers the error any more.",
-            Self::Exact => "Exact: what is left of the error is rounding.",
-            Self::Stalled => {
-                "Stalled: no step lowers the error, though the slope is not zero. Fix a parameter that the \
-                 capture hardly determines, or start from other values."
-            }
-            Self::Limit => {
-                "Stopped after the largest number of trials. Fix a parameter that the capture hardly \
-                 determines, or record a motion that shows it."
-            }
-        }
-    }
-}
 
 /// Which parameters move, and how each enters.
 #[derive(Debug, Clone)]
@@ -363,6 +326,9 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64],
         let Some((step, predicted)) = problem.step(&here, damping) else {
             return ended(&problem, &here, iterations, Status::Converged);
         };
+        if iterations >= BELIEVED && effort.in_vain(here.cost, predicted) {
+            return ended(&problem, &here, iterations, Status::Limit);
+        }
         let small =
             layout.hard.iter().all(|&h| step[h].abs() <= STEP * here.p[layout.free[h]].abs().max(STEP));
         if predicted <= (PREDICTED / rows).max(least_gain) * here.cost || small {

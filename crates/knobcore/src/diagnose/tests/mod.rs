@@ -7,11 +7,11 @@ use super::screen::{Screen, Start};
 use super::watch::Watch;
 use super::{diagnose, pairs, sets, worth_adding};
 use crate::effects::{Id, Place, Survey};
-use crate::fit::{refine, sketch};
+use crate::fit::{refine, sketch, sketch_within};
 use crate::model::{Model, Role};
 use crate::rule::rule;
 use crate::signals::Signals;
-use recorded::{knob, recorded};
+use recorded::{SD, knob, recorded};
 use std::sync::Mutex;
 
 const SPRING: (&str, f64) = ("return_spring.k", 2e-3);
@@ -259,5 +259,27 @@ fn what_is_said_to_load_the_shaft_does_so_wherever_a_joint_comes_in() {
         assert!(!starts.is_empty());
         assert!(starts.iter().all(|start| start.model.at_shaft(Id::ReturnSpring) == there));
         assert!(!screen.starts(Id::QuadraticDrag)[0].model.at_shaft(Id::ReturnSpring));
+    }
+}
+
+#[test]
+fn a_rival_that_comes_nowhere_near_is_given_up_and_one_that_does_is_not() {
+    let joint = [("compliance.k", 0.3), ("compliance.d", 2e-3), ("compliance.share", 0.7)];
+    let truth =
+        knob(&[Id::Compliance, Id::ReturnSpring], &[&joint[..], &[("return_spring.k", 0.1)]].concat());
+    let signals = recorded(&truth, "a");
+    let data = [&signals];
+    let near = [("compliance.k", 0.4), ("compliance.d", 3e-3), ("compliance.share", 0.6)];
+    let followed = |rival: Id, within: f64| {
+        let found = sketch_within(&data, &knob(&[Id::Compliance, rival], &near), within);
+        ((found.cost / signals.used() as f64).sqrt(), found.evaluations)
+    };
+    let right = followed(Id::ReturnSpring, 2.0 * SD);
+    assert_eq!(right, followed(Id::ReturnSpring, f64::INFINITY));
+    assert!(right.0 < 1.1 * SD, "{right:?}");
+    for wrong in [Id::PositionFriction, Id::Presliding] {
+        let (given_up, whole) = (followed(wrong, 2.0 * SD), followed(wrong, f64::INFINITY));
+        assert!(whole.0 > 2.0 * SD && given_up.0 > 2.0 * SD, "{wrong:?} {given_up:?} {whole:?}");
+        assert!(2 * given_up.1 < whole.1, "{wrong:?} {given_up:?} {whole:?}");
     }
 }
