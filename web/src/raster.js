@@ -49,6 +49,7 @@ export function place(xs, ys, frame, pixels = new Int32Array(xs.length)) {
 
 let scratch = new Int32Array(0); // of points whose pixels are counted and forgotten
 
+const MANY = 0.25; // points a pixel, from which on most share theirs
 const USUAL = 4; // times the mean count of points on a pixel have the full colour
 
 /** @typedef {{counts: Uint32Array, full: number}} Cloud of each pixel how many dots are on it; how many are many */
@@ -119,17 +120,25 @@ export function drawCloud(image, { counts, full }, colour, strength) {
  */
 export function drawPoints(image, pixels, chosen, frame, colour) {
   const { dot, width } = frame;
-  const corners = new Uint8Array(image.length); // most points share theirs with others, and each is drawn once
+  const count = chosen ? chosen.length : pixels.length;
+  if (count < MANY * image.length) {
+    for (let i = 0; i < count; i++) drawDot(image, pixels[chosen ? chosen[i] : i], { dot, width }, colour);
+    return;
+  }
+  const corners = new Uint8Array(image.length); // of so many most share theirs with others, and each is drawn once
   const note = (/** @type {number} */ pixel) => {
     if (pixel >= 0) corners[pixel] = 1;
   };
-  if (chosen) for (let i = 0; i < chosen.length; i++) note(pixels[chosen[i]]);
-  else for (let i = 0; i < pixels.length; i++) note(pixels[i]);
-  for (let pixel = 0; pixel < corners.length; pixel++) {
-    if (corners[pixel] === 0) continue;
-    for (let row = 0, first = pixel; row < dot; row++, first += width) {
-      for (let at = first; at < first + dot; at++) image[at] = colour;
-    }
+  if (chosen) for (let i = 0; i < count; i++) note(pixels[chosen[i]]);
+  else for (let i = 0; i < count; i++) note(pixels[i]);
+  for (let pixel = 0; pixel < corners.length; pixel++) if (corners[pixel] === 1) drawDot(image, pixel, { dot, width }, colour);
+}
+
+/** @param {Uint32Array} image @param {number} pixel −1: nowhere @param {Pick<Frame, "dot" | "width">} frame @param {number} colour */
+function drawDot(image, pixel, { dot, width }, colour) {
+  if (pixel < 0) return;
+  for (let row = 0, first = pixel; row < dot; row++, first += width) {
+    for (let at = first; at < first + dot; at++) image[at] = colour;
   }
 }
 

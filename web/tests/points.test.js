@@ -74,3 +74,14 @@ test("a dot has as many counts on each of its pixels as points are there", () =>
   assert.deepEqual([28, 29, 34, 35].map((at) => counts[at]), [1, 1, 1, 1]);
   assert.equal(counts.reduce((sum, one) => sum + one, 0), 12);
 });
+
+test("many points are drawn as each of them alone would be", () => {
+  const pixels = place(cloud(20_000, 8), cloud(20_000, 9), frame);
+  const odd = Uint32Array.from({ length: 10_000 }, (_, n) => 2 * n + 1);
+  for (const chosen of [null, odd]) {
+    const [together, alone] = [new Uint32Array(frame.width * frame.height), new Uint32Array(frame.width * frame.height)];
+    drawPoints(together, pixels, chosen, frame, 7);
+    for (const one of chosen ?? pixels.keys()) drawPoints(alone, pixels, Uint32Array.of(one), frame, 7);
+    assert.deepEqual(together, alone);
+  }
+});

@@ -2474,6 +2474,7 @@ function place(xs, ys, frame, pixels = new Int32Array(xs.length)) {
   return pixels;
 }
 var scratch = new Int32Array(0);
+var MANY2 = 0.25;
 var USUAL2 = 4;
 function cloudOf(xs, ys, frame) {
   const { dot: dot2, width, height } = frame;
@@ -2514,17 +2515,23 @@ function drawCloud(image, { counts, full }, colour, strength) {
 }
 function drawPoints(image, pixels, chosen, frame, colour) {
   const { dot: dot2, width } = frame;
+  const count = chosen ? chosen.length : pixels.length;
+  if (count < MANY2 * image.length) {
+    for (let i = 0; i < count; i++) drawDot(image, pixels[chosen ? chosen[i] : i], { dot: dot2, width }, colour);
+    return;
+  }
   const corners = new Uint8Array(image.length);
   const note = (pixel) => {
     if (pixel >= 0) corners[pixel] = 1;
   };
-  if (chosen) for (let i = 0; i < chosen.length; i++) note(pixels[chosen[i]]);
-  else for (let i = 0; i < pixels.length; i++) note(pixels[i]);
-  for (let pixel = 0; pixel < corners.length; pixel++) {
-    if (corners[pixel] === 0) continue;
-    for (let row = 0, first = pixel; row < dot2; row++, first += width) {
-      for (let at = first; at < first + dot2; at++) image[at] = colour;
-    }
+  if (chosen) for (let i = 0; i < count; i++) note(pixels[chosen[i]]);
+  else for (let i = 0; i < count; i++) note(pixels[i]);
+  for (let pixel = 0; pixel < corners.length; pixel++) if (corners[pixel] === 1) drawDot(image, pixel, { dot: dot2, width }, colour);
+}
+function drawDot(image, pixel, { dot: dot2, width }, colour) {
+  if (pixel < 0) return;
+  for (let row = 0, first = pixel; row < dot2; row++, first += width) {
+    for (let at = first; at < first + dot2; at++) image[at] = colour;
   }
 }
 function drawFew(image, pixels, chosen, { dot: dot2, width, height }, colour) {
