@@ -41,35 +41,35 @@ export function opening(heard) {
     }
     if (!dialog.open) dialog.showModal();
   };
-  const take = async (/** @type {File[]} */ files) => {
+  /**
+   * Read one after the other; those that are handed over at once are of one knob. What is refused is asked about.
+   * @template T
+   * @param {T[]} given
+   * @param {(one: T, together: boolean, at: number) => Promise<string>} read returns its name
+   */
+  const each = async (given, read) => {
+    try {
+      for (const [at, one] of given.entries()) opened(await read(one, at > 0 || same.checked, at));
+    } catch (reason) {
+      refused(reason);
+    }
+  };
+  const take = (/** @type {File[]} */ files) => {
     waiting = files;
-    for (const [at, file] of files.entries()) {
-      try {
-        heard.say(`reading ${file.name} …`);
-        // Those that are handed over at once are of one knob.
-        await upload(file, { ...mapping.options(), together: String(at > 0 || same.checked) });
-        waiting = waiting.filter((one) => one !== file);
-        opened(file.name);
-      } catch (reason) {
-        refused(reason);
-        return;
-      }
-    }
+    return each(files, async (file, together) => {
+      heard.say(`reading ${file.name} …`);
+      await upload(file, { ...mapping.options(), together: String(together) });
+      waiting = waiting.filter((one) => one !== file);
+      return file.name;
+    });
   };
-
-  const byPath = async (/** @type {string[]} */ paths) => {
-    for (const [at, one] of paths.entries()) {
+  const byPath = (/** @type {string[]} */ paths) =>
+    each(paths, async (one, together, at) => {
       [path.value, alike] = [one, paths.slice(at + 1)];
-      try {
-        await post("open", { path: one, together: at > 0 || same.checked, ...mapping.options() });
-        path.value = "";
-        opened(one);
-      } catch (reason) {
-        refused(reason);
-        return;
-      }
-    }
-  };
+      await post("open", { path: one, together, ...mapping.options() });
+      path.value = "";
+      return one;
+    });
 
   const fresh = (/** @type {File[]} */ files) => {
     mapping.clear(); // other files have columns of their own

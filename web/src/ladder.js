@@ -71,7 +71,7 @@ function sameCaptures(steps, at) {
  * @param {{steps: import("./types.js").Step[], at: number}} shown
  * @param {import("./types.js").Carried[]} carried
  */
-export function broughtAlong({ steps, at }, carried) {
+function broughtAlong({ steps, at }, carried) {
   const brought = carried.map((one) => ({ ...steps[0], dropped: null, ...one }));
   return brought.length > 1 ? { steps: [...brought, ...steps.slice(1)], at: at + brought.length - 1 } : { steps, at };
 }

@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from ..base.showing import Figure
 
 
+_SHARPER = 1.1
+"""Times as well as now that a parameter has to be known after a motion that is worth recording."""
+
+
 class Expected(NamedTuple):
     """A pair of rivals (places in `Experiment.rivals`): D of the motion, and of the best standard one."""
 
@@ -40,10 +44,6 @@ class Sharpened(NamedTuple):
     before: float
     after: float
     after_standard: float
-
-
-_SHARPER = 1.1
-"""Times as well that a parameter has to be known after a motion for which it is worth recording."""
 
 
 class Change(NamedTuple):
@@ -150,9 +150,9 @@ class Experiment(showing.Tabled):
         why = "{names}: left out, as on any motion within these limits it asks for more torque than there is."
         return said(why, names=joined(", ", (one.name for one in self.left_out)))
 
-    def _names(self, one: Expected) -> Said:
+    def _names(self, one: Expected, between: str = " and ") -> Said:
         names = apart(self.rivals)
-        return joined(" and ", (names[i] for i in one.pair))
+        return joined(between, (names[i] for i in one.pair))
 
     def _changed(self) -> str:
         if self.change is None:
@@ -206,7 +206,7 @@ class Experiment(showing.Tabled):
             ]
         rows: list[tuple[str, ...]] = []
         for one in self.expected:
-            names = " or ".join(apart(self.rivals)[i] for i in one.pair)
+            names = self._names(one, " or ")
             rows.append((names, f"{one.d:.3g}", _percent(one.wrong_choice), f"{one.standard_d:.3g}"))
         return rows
 

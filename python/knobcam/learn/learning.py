@@ -204,7 +204,7 @@ class LearningResult(showing.Tabled):
                     "{what} is missing and not in the model yet: {best}, which takes {fall} off the error.",
                     what=head(", and more", "Something"),
                     best=OfEffect(best.effect),
-                    fall=percent(best.error_fall).lstrip("+-"),
+                    fall=number(100.0 * best.error_fall, "%", ".1f"),
                 )
             template = (
                 "{something} is missing that no single effect of the catalogue explains: {share} of the "

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from .kept import Again
     from .tell import Tell
 
-
 _VIEWS = 8  # of a dragged parameter that can still be looked at
 _NAME = 80  # characters of a branch's name
 

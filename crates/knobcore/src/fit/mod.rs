@@ -161,7 +161,7 @@ pub fn waves(data: &[&Signals], model: &Model, wave: Wave) -> Vec<[f64; 3]> {
 
 /// The values that a sketchy descent from those of `model` ends with.
 pub fn sketch(data: &[&Signals], model: &Model) -> Found {
-    descend(data, model, &Layout::of(model), &model.values(), Effort::Sketch)
+    sketch_within(data, model, f64::INFINITY)
 }
 
 /// The same, given up where an RMS error of so much seems out of reach.

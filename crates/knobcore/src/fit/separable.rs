@@ -20,9 +20,8 @@ use crate::signals::Signals;
 pub enum Effort {
     /// To the optimum.
     Full,
-    /// Until what is left to gain would not change which of several models is the better one.
-    Sketch,
-    /// The same, and no further than where a sum of squares of so much seems out of reach.
+    /// Until what is left to gain would not change which of several models is the better one, or a sum of squares of so
+    /// much seems out of reach.
     Within(f64),
     /// A few steps: enough to tell which of many starts lead somewhere.
     Glance,
@@ -33,7 +32,7 @@ impl Effort {
     fn evaluations(self) -> usize {
         match self {
             Self::Full => 60,
-            Self::Sketch | Self::Within(_) => 35,
+            Self::Within(_) => 35,
             Self::Glance => 6,
         }
     }

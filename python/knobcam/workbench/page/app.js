@@ -1681,33 +1681,28 @@ function opening(heard) {
     }
     if (!dialog2.open) dialog2.showModal();
   };
-  const take = async (files) => {
+  const each = async (given, read) => {
+    try {
+      for (const [at, one] of given.entries()) opened(await read(one, at > 0 || same.checked, at));
+    } catch (reason2) {
+      refused(reason2);
+    }
+  };
+  const take = (files) => {
     waiting = files;
-    for (const [at, file] of files.entries()) {
-      try {
-        heard.say(`reading ${file.name} …`);
-        await upload(file, { ...mapping.options(), together: String(at > 0 || same.checked) });
-        waiting = waiting.filter((one) => one !== file);
-        opened(file.name);
-      } catch (reason2) {
-        refused(reason2);
-        return;
-      }
-    }
+    return each(files, async (file, together) => {
+      heard.say(`reading ${file.name} …`);
+      await upload(file, { ...mapping.options(), together: String(together) });
+      waiting = waiting.filter((one) => one !== file);
+      return file.name;
+    });
   };
-  const byPath = async (paths) => {
-    for (const [at, one] of paths.entries()) {
-      [path.value, alike] = [one, paths.slice(at + 1)];
-      try {
-        await post("open", { path: one, together: at > 0 || same.checked, ...mapping.options() });
-        path.value = "";
-        opened(one);
-      } catch (reason2) {
-        refused(reason2);
-        return;
-      }
-    }
-  };
+  const byPath = (paths) => each(paths, async (one, together, at) => {
+    [path.value, alike] = [one, paths.slice(at + 1)];
+    await post("open", { path: one, together, ...mapping.options() });
+    path.value = "";
+    return one;
+  });
   const fresh = (files) => {
     mapping.clear();
     [path.value, alike] = ["", []];
