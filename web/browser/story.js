@@ -55,7 +55,7 @@ for (const axis of ["acceleration", "load", "history"]) {
   assert.equal(await over.filter({ visible: true }).count(), 1);
 }
 await picture("2-led-by-the-verdict");
-await done(page, "bins", () => page.getByLabel("axis of row 3").selectOption("frequency"));
+await done(page, "data", () => page.getByLabel("axis of row 3").selectOption("frequency"));
 const spectrum = await page.evaluate(() => globalThis.knobcam.app.linked.residuals[2].contents.spectrum);
 assert.ok(spectrum.x.length > 100 && spectrum.chance.every(Number.isFinite));
 await picture("2-over-frequency");

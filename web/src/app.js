@@ -193,7 +193,7 @@ class App {
     try {
       const answer = await post(verb, body);
       if (byId("said").classList.contains("wrong")) this.say("");
-      this.expect(answer.node);
+      if (answer.node && this.state?.node) this.expect(answer.node, this.state.active); // while the state is on its way
       if (answer.revision !== undefined) this.refresh(answer.revision);
       return answer;
     } catch (reason) {
@@ -202,10 +202,9 @@ class App {
     }
   }
 
-  /** Fetch the samples of a node while the state that shows it is on its way. @param {string | null} node */
-  expect(node) {
-    if (!this.state?.node || node === null) return;
-    this.store.columns(node, this.state.active, columnsOf(this.view)).catch(() => {}); // of other captures: then with the state
+  /** Fetch the samples of a node that is about to be shown. @param {string} node @param {string[]} captures */
+  expect(node, captures) {
+    this.store.columns(node, captures, columnsOf(this.view)).catch(() => {}); // who draws it is told
   }
 
   /**
@@ -216,6 +215,7 @@ class App {
     if (this.state && this.state.revision >= revision && !this.job) return;
     try {
       const state = await fetchState();
+      if (state.node) this.expect(state.node, state.active);
       this.show(state);
       await this.draw(state);
     } catch (reason) {
@@ -300,7 +300,7 @@ class App {
     if (this.state && this.state.node !== node) return;
     this.drawn = wanted;
     const coordinate = captures.find(({ id }) => active.includes(id))?.coordinate ?? "rotary";
-    const view = this.view;
+    const { view } = this;
     const { what, start } = this.deed ?? { what: "data", start: performance.now() };
     this.deed = null;
     const fitted = !state.params.some(({ dragged }) => dragged);
@@ -308,17 +308,17 @@ class App {
     const beside = other && rest ? { name: other.name, residual: rest.residual } : null;
     this.legend(beside?.name ?? null);
     byId("masked").hidden = !columns.masked?.some((value) => value === value);
-    const data = { several: active.length > 1, columns, unit, peak, coordinate, noise: state.noise_floor, fitted, name, beside };
-    const brush = this.brushedThen;
-    this.brushedThen = null;
-    const splits = fitted ? this.store.splitsOf(node).catch(() => []) : []; // without them all else is there
+    const splits = fitted ? this.store.splits.get(node) : []; // where nothing is fitted, nothing is told of chance
+    const noise = state.noise_floor;
+    const data = { several: active.length > 1, columns, unit, peak, coordinate, noise, fitted, name, beside, splits };
     timed(what, () => {
       this.linked.show(data, view);
-      if (brush) this.linked.brushAgain(brush);
+      if (this.brushedThen) this.linked.brushAgain(this.brushedThen);
       this.then?.();
-      this.then = null;
+      [this.brushedThen, this.then] = [null, null];
     }, start);
-    const found = await splits;
+    if (splits) return;
+    const found = await this.store.splitsOf(node).catch(() => []); // without them all else is there
     if (this.state?.node === node) timed("bins", () => this.linked.lay(found));
   }
 

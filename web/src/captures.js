@@ -2,6 +2,7 @@
 
 import { ask } from "./api.js";
 import { make } from "./dom.js";
+import { thousands } from "./numbers.js";
 import { adviceOf, aboutOf, sentence } from "./said.js";
 
 /** @typedef {import("./types.js").State} State */
@@ -80,7 +81,7 @@ export function shortNames(names) {
 
 /** @param {CaptureInfo} capture @param {About} about @param {string} [short] its name beside others */
 function words({ name, samples, rate_hz, findings }, about, short = name) {
-  const facts = ` ${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
+  const facts = ` ${thousands(samples)} samples, ${Math.round(rate_hz)} Hz`;
   const doubtful = findings.filter((one) => !isNote(one));
   const doubt = make("span", { class: "doubt", text: "⚠ ", title: doubtful.map((one) => textOf(one, about)).join("\n") });
   return [...(doubtful.length > 0 ? [doubt] : []), make("strong", { text: short }), facts];

@@ -4,7 +4,7 @@ import { brushable } from "./brush.js";
 import { AXES, USUAL, alongFrequency, labelOf, reachOf, rowsOf, samplesIn } from "./contents.js";
 import { pointing } from "./cursor.js";
 import { make } from "./dom.js";
-import { number, percent, torqueScale } from "./numbers.js";
+import { number, percent, thousands, torqueScale } from "./numbers.js";
 import { Plot } from "./plot.js";
 import { movesFrom, settle } from "./settling.js";
 import { chosenSquares, squaresOf } from "./squares.js";
@@ -343,7 +343,7 @@ export class Linked {
     const part = percent(chosen.length / data.columns.t.length);
     const scale = torqueScale(data);
     const rms = (/** @type {number} */ value) => `RMS ${number(value * scale.factor)} ${scale.unit}`;
-    const count = `${chosen.length.toLocaleString("en")} ${chosen.length === 1 ? "sample" : "samples"} chosen, ${part} of all`;
+    const count = `${thousands(chosen.length)} ${chosen.length === 1 ? "sample" : "samples"} chosen, ${part} of all`;
     if (share.counted === 0 && chosen.length > 0) return this.told(`${count}: nothing is fitted to them`);
     const own = chosen.length > 0 ? ` (${rms(share.rms)})` : "";
     let words = `${count}: they have ${percent(share.ofError)} of the squared error${own}`;

@@ -3,7 +3,7 @@
 import { Refusal, fetchBytes, post, wordsOf } from "./api.js";
 import { limits } from "./axes.js";
 import { byId } from "./dom.js";
-import { number, torqueScale } from "./numbers.js";
+import { number, thousands, torqueScale } from "./numbers.js";
 import { Plot } from "./plot.js";
 import { unpacked } from "./store.js";
 import { timed } from "./timing.js";
@@ -154,9 +154,9 @@ export class Live {
     const { peak_torque: peak, torque_limit: limit = 0, temperature, clipped = {} } = this.told;
     const scale = torqueScale({ unit: "N m", peak: peak ?? 0 });
     const figures = [
-      `${received.toLocaleString("en")} samples`,
-      `${missing.toLocaleString("en")} lost`,
-      `${Math.round(rate_hz ?? 0).toLocaleString("en")} Hz`,
+      `${thousands(received)} samples`,
+      `${thousands(missing)} lost`,
+      `${thousands(Math.round(rate_hz ?? 0))} Hz`,
     ];
     if (peak) figures.push(`peak ${number(peak * scale.factor)} ${scale.unit}, allowed ${number(limit * scale.factor)}`);
     for (const [name, count] of Object.entries(clipped)) if (count) figures.push(`${name} saturated ${count} times`);

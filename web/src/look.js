@@ -5,7 +5,7 @@ import { USUAL } from "./contents.js";
 import { make } from "./dom.js";
 import { Linked } from "./linked.js";
 import { known, titleOf } from "./names.js";
-import { number, torqueScale } from "./numbers.js";
+import { number, thousands, torqueScale } from "./numbers.js";
 import { timed } from "./timing.js";
 
 /** @typedef {import("./store.js").Columns} Columns */
@@ -135,6 +135,6 @@ function keys() {
 
 /** @param {Head} head */
 function thinned({ n, all }) {
-  const [shown, whole] = [n, all].map((count) => count.toLocaleString("en"));
+  const [shown, whole] = [n, all].map(thousands);
   return `${shown} of ${whole} samples are shown, taken at random; shares of the error are estimated from them.`;
 }

@@ -17,6 +17,14 @@ function plain(value, digits) {
   return String(Number(value.toPrecision(digits)));
 }
 
+/**
+ * How many there are, its thousands apart. What the browser has for it first loads all that it knows of languages.
+ * @param {number} many
+ */
+export function thousands(many) {
+  return String(many).replace(/\B(?=(\d{3})+$)/g, ",");
+}
+
 /** @param {number} share from 0 to 1 */
 export function percent(share) {
   if (!Number.isFinite(share)) return "–";

@@ -1,5 +1,6 @@
 /** Samples that no axis is made for: a few that would flatten all the others. They are drawn at its edge, and counted. */
 
+import { thousands } from "./numbers.js";
 import { remembered } from "./remembered.js";
 
 const TIMES = 2; // as far as all the others, beyond which a sample may be an outlier
@@ -61,5 +62,5 @@ function within(columns, low, high) {
 export function beyondWords(y, low, high) {
   let count = 0;
   for (let i = 0; i < y.length; i++) if (y[i] < low || y[i] > high) count++;
-  return count === 0 ? "" : ` (${count.toLocaleString("en")} ${count === 1 ? "sample" : "samples"} beyond, at the edge)`;
+  return count === 0 ? "" : ` (${thousands(count)} ${count === 1 ? "sample" : "samples"} beyond, at the edge)`;
 }

@@ -7,6 +7,7 @@ import { MARGIN, drawAxes } from "./axes.js";
 import { make, styleValue } from "./dom.js";
 import { Pick } from "./pick.js";
 import { cloudOf, drawCloud, drawFew, drawPoints, pixelColour, place } from "./raster.js";
+import { idle } from "./timing.js";
 
 /**
  * @typedef {{colour: string, chosen: string | null, y: Float32Array, strength: number}} Series
@@ -21,6 +22,8 @@ import { cloudOf, drawCloud, drawFew, drawPoints, pixelColour, place } from "./r
 const FEW = 8000; // points of which each is worth a larger dot
 const FEW_CHOSEN = 20; // which are drawn larger
 const CLOUDS = 8; // that are kept: undo and redo, or a zoom and back, draw what was drawn before
+const AT_ONCE = 50_000; // points of a cloud that are drawn in the frame that shows new ones...
+const REST_MS = 150; // ...and all of them when nothing else has come for so long
 
 export class Plot {
   /**
@@ -49,6 +52,7 @@ export class Plot {
     this.placed = [];
     /** @type {{x: Float32Array, y: Float32Array, frame: string, cloud: import("./raster.js").Cloud}[]} the oldest first */
     this.clouds = [];
+    this.rest = 0; // the timer of what is still to be drawn
     /** @type {Pick | null} */
     this.pick = null;
     /** @type {Region | null} */
@@ -95,21 +99,32 @@ export class Plot {
     this.mark(this.marked);
   }
 
-  /** @param {Contents} contents */
-  drawBase({ x, series }) {
+  /** @param {Contents} contents @param {number} [every] of how many points one is drawn, until all of them are */
+  drawBase(contents, every = Math.ceil(contents.x.length / AT_ONCE)) {
+    const { x, series } = contents;
     const image = new ImageData(this.frame.width, this.frame.height);
     const pixels = new Uint32Array(image.data.buffer);
     pixels.fill(pixelColour(this.colour("--paper")));
-    for (const { y, colour, strength } of series) {
-      drawCloud(pixels, this.cloud(x, y), pixelColour(this.colour(colour)), strength);
+    const clouds = series.map(({ y }) => this.cloud(x, y, every));
+    for (const [at, { colour, strength }] of series.entries()) {
+      drawCloud(pixels, clouds[at], pixelColour(this.colour(colour)), strength);
     }
     this.base.getContext("2d")?.putImageData(image, 0, 0);
+    clearTimeout(this.rest);
+    const whole = () => this.contents === contents && this.drawBase(contents, 1);
+    if (clouds.some((cloud) => cloud.every > 1)) this.rest = setTimeout(() => idle(whole), REST_MS);
   }
 
-  /** How many dots each pixel has. @param {Float32Array} x @param {Float32Array} y */
-  cloud(x, y) {
+  /**
+   * How many dots each pixel has, of all points where that is known.
+   * @param {Float32Array} x
+   * @param {Float32Array} y
+   * @param {number} every
+   */
+  cloud(x, y, every) {
     const frame = JSON.stringify(this.frame);
     const at = this.clouds.findIndex((one) => one.x === x && one.y === y && one.frame === frame);
+    if (at < 0 && every > 1) return cloudOf(x, y, this.frame, every);
     const [known] = at < 0 ? [{ x, y, frame, cloud: cloudOf(x, y, this.frame) }] : this.clouds.splice(at, 1);
     this.clouds = [...this.clouds.slice(1 - CLOUDS), known];
     return known.cloud;

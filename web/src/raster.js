@@ -21,16 +21,17 @@
  * @param {Float32Array} ys
  * @param {Frame} frame
  * @param {Int32Array} [pixels] where they go, as many as points
+ * @param {number} [every] of how many points one is worked out
  * @returns {Int32Array}
  */
-export function place(xs, ys, frame, pixels = new Int32Array(xs.length)) {
+export function place(xs, ys, frame, pixels = new Int32Array(xs.length), every = 1) {
   const { width, height, dot } = frame;
   const [right, bottom] = [width - dot, height - dot];
   const xStep = right / (frame.x[1] - frame.x[0]);
   const yStep = bottom / (frame.y[1] - frame.y[0]);
   const [xLow, yHigh] = [frame.x[0], frame.y[1]];
   const { x: cutX, y: cutY } = frame.part ?? { x: false, y: false };
-  for (let i = 0; i < xs.length; i++) {
+  for (let i = 0; i < xs.length; i += every) {
     let column = (xs[i] - xLow) * xStep;
     let row = (yHigh - ys[i]) * yStep;
     if (!(column >= 0 && column <= right && row >= 0 && row <= bottom)) {
@@ -52,22 +53,26 @@ let scratch = new Int32Array(0); // of points whose pixels are counted and forgo
 const MANY = 0.25; // points a pixel, from which on most share theirs
 const USUAL = 4; // times the mean count of points on a pixel have the full colour
 
-/** @typedef {{counts: Uint32Array, full: number}} Cloud of each pixel how many dots are on it; how many are many */
+/**
+ * Of each pixel how many dots are on it; how many are many; one of how many points was counted.
+ * @typedef {{counts: Uint32Array, full: number, every: number}} Cloud
+ */
 
 /**
  * Count the dots on each pixel.
  * @param {Float32Array} xs
  * @param {Float32Array} ys
  * @param {Frame} frame
+ * @param {number} [every] of how many points one is counted
  * @returns {Cloud}
  */
-export function cloudOf(xs, ys, frame) {
+export function cloudOf(xs, ys, frame, every = 1) {
   const { dot, width, height } = frame;
   const corners = new Uint32Array(width * height);
   let points = 0;
   if (scratch.length < xs.length) scratch = new Int32Array(xs.length);
-  const pixels = place(xs, ys, frame, scratch);
-  for (let i = 0; i < xs.length; i++) {
+  const pixels = place(xs, ys, frame, scratch, every);
+  for (let i = 0; i < xs.length; i += every) {
     if (pixels[i] < 0) continue;
     corners[pixels[i]]++;
     points++;
@@ -86,7 +91,7 @@ export function cloudOf(xs, ys, frame) {
       }
     }
   }
-  return { counts, full: Math.max(2, Math.ceil((USUAL * dot * dot * points) / Math.max(1, hit))) };
+  return { counts, every, full: Math.max(2, Math.ceil((USUAL * dot * dot * points) / Math.max(1, hit))) };
 }
 
 /**

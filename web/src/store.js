@@ -41,7 +41,7 @@ export class Store {
   constructor() {
     /** @type {Map<string, Columns>} columns by capture, or by capture and node */
     this.kept = new Map();
-    /** @type {Map<string, Promise<Columns>>} what is on its way */
+    /** @type {Map<string, Promise<void>>} what is on its way */
     this.coming = new Map();
     /** @type {Map<string, import("./types.js").Split[]>} where the error lies, by node */
     this.splits = new Map();
@@ -108,16 +108,21 @@ export class Store {
   async ofCapture(node, capture, names) {
     const key = `${capture} ${node}`;
     const have = () => ({ ...this.kept.get(capture), ...this.kept.get(key) });
-    await this.coming.get(key)?.catch(() => {}); // who asked for that is told
+    while (this.coming.has(key)) await this.coming.get(key)?.catch(() => {}); // who asked for that is told
     const lacking = names.filter((name) => !(name in have()));
     if (lacking.length > 0) {
-      const coming = fetchBytes("/api/arrays", { node, capture, names: lacking.join(",") }).then(decode);
+      const coming = this.fetch(node, capture, lacking).finally(() => this.coming.delete(key));
       this.coming.set(key, coming);
-      const entries = Object.entries(await coming.finally(() => this.coming.delete(key)));
-      this.keep(capture, Object.fromEntries(entries.filter(([name]) => MOTION.has(name))));
-      this.keep(key, Object.fromEntries(entries.filter(([name]) => !MOTION.has(name))));
+      await coming;
     }
     return have();
+  }
+
+  /** @param {string} node @param {string} capture @param {string[]} names */
+  async fetch(node, capture, names) {
+    const entries = Object.entries(decode(await fetchBytes("/api/arrays", { node, capture, names: names.join(",") })));
+    this.keep(capture, Object.fromEntries(entries.filter(([name]) => MOTION.has(name))));
+    this.keep(`${capture} ${node}`, Object.fromEntries(entries.filter(([name]) => !MOTION.has(name))));
   }
 
   /** @param {string} key @param {Columns} columns */

@@ -85,3 +85,11 @@ test("many points are drawn as each of them alone would be", () => {
     assert.deepEqual(together, alone);
   }
 });
+
+test("of many points every sixth makes the same picture in a fraction of the counts", () => {
+  const [xs, ys] = [cloud(60_000, 21), cloud(60_000, 22)];
+  const every = 6;
+  const some = cloudOf(xs, ys, frame, every);
+  const of = (/** @type {Float32Array} */ all) => all.filter((_, i) => i % every === 0);
+  assert.deepEqual(some, { ...cloudOf(of(xs), of(ys), frame), every });
+});

@@ -5,7 +5,7 @@ import { limits } from "../src/axes.js";
 import { limitWords, ofLimits } from "../src/evidence.js";
 import { latest } from "../src/latest.js";
 import { apart, plusMinus } from "../src/params.js";
-import { number, percent, ticks, torqueScale, torqueWord } from "../src/numbers.js";
+import { number, percent, thousands, ticks, torqueScale, torqueWord } from "../src/numbers.js";
 
 test("numbers have a true minus and as many digits as they need", () => {
   assert.equal(number(-0.00012345), "−1.23e−4");
@@ -14,6 +14,7 @@ test("numbers have a true minus and as many digits as they need", () => {
   assert.equal(number(0), "0");
   assert.equal(percent(0.046), "4.6 %");
   assert.equal(percent(-0.5), "−50 %");
+  assert.deepEqual([0, 999, 1000, 250_000, 1_234_567].map(thousands), ["0", "999", "1,000", "250,000", "1,234,567"]);
 });
 
 test("ticks are round and inside the limits", () => {

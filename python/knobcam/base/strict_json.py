@@ -14,6 +14,13 @@ def as_json(document: Mapping[str, Any], indent: int | None = 1) -> str:
     return json.dumps(_plain(document), allow_nan=False, indent=indent)
 
 
+def island(document: Mapping[str, Any], name: str) -> str:
+    """Return a document as an element of a page, which has it without asking for it."""
+    # No text of a file can end the element: JSON has another way to write its first letter.
+    held = as_json(document, indent=None).replace("<", "\\u003c")
+    return f'<script type="application/json" id="{name}">{held}</script>'
+
+
 def _plain(value: Any) -> Any:
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..base import pages
-from ..base.strict_json import as_json
+from ..base.strict_json import island
 from . import samples
 from .packed import FINE, packed, step_of
 
@@ -56,13 +56,7 @@ def section(steps: Sequence[Shown]) -> Section:
     """Return the plots for a page that has more."""
     script = built("report.js")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
-    # No text of a file can end the element: JSON has another way to write its first letter.
-    held = as_json(_kept(steps), indent=None).replace("<", "\\u003c")
-    markup = (
-        '<div id="look"></div>'
-        f'<script type="application/json" id="look-samples">{held}</script>'
-        f"<script>{script}</script>"
-    )
+    markup = f'<div id="look"></div>{island(_kept(steps), "look-samples")}<script>{script}</script>'
     return Section(markup, built("report.css"), digest)
 
 

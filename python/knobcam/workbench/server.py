@@ -21,7 +21,7 @@ from starlette.routing import Route
 from starlette.types import ASGIApp
 
 from ..base import pages, pages_sources
-from ..base.strict_json import as_json
+from ..base.strict_json import as_json, island
 from ..capture import load
 from ..capture.formats import DEFAULT_MAX_BYTES
 from ..errors import InputError
@@ -145,7 +145,11 @@ class _Server:
         name = request.url.path.removeprefix("/") or "index.html"
         if name not in self.files:
             raise HTTPException(404)
-        return Response(self.files[name], headers={"content-type": _TYPES[Path(name).suffix]})
+        body = self.files[name]
+        if name == "index.html":  # with what it would ask for first
+            state = island(await run_in_threadpool(self.bench.document), "first-state")
+            body = body.replace(b"</head>", state.encode() + b"</head>", 1)
+        return Response(body, headers={"content-type": _TYPES[Path(name).suffix]})
 
     async def state(self, _: Request) -> Response:
         """Everything that the page shows but the samples."""

@@ -28,8 +28,10 @@ async function request(path, options = {}) {
 async function ask(what, query = {}) {
   return (await request(`/api/${what}?${new URLSearchParams(query)}`)).json();
 }
-function fetchState() {
-  return ask("state");
+async function fetchState() {
+  const first = document.getElementById("first-state");
+  first?.remove();
+  return first ? JSON.parse(first.textContent ?? "") : ask("state");
 }
 async function fetchBytes(path, query, signal) {
   const answer = await request(`${path}?${new URLSearchParams(query)}`, { signal });
@@ -124,6 +126,9 @@ function number(value, digits = 3) {
 }
 function plain(value, digits) {
   return String(Number(value.toPrecision(digits)));
+}
+function thousands(many) {
+  return String(many).replace(/\B(?=(\d{3})+$)/g, ",");
 }
 function percent(share) {
   if (!Number.isFinite(share)) return "–";
@@ -419,7 +424,7 @@ function within(columns, low, high) {
 function beyondWords(y, low, high) {
   let count = 0;
   for (let i = 0; i < y.length; i++) if (y[i] < low || y[i] > high) count++;
-  return count === 0 ? "" : ` (${count.toLocaleString("en")} ${count === 1 ? "sample" : "samples"} beyond, at the edge)`;
+  return count === 0 ? "" : ` (${thousands(count)} ${count === 1 ? "sample" : "samples"} beyond, at the edge)`;
 }
 
 // src/contents.js
@@ -667,7 +672,7 @@ function shortNames(names) {
   return names.map((name) => `…${name.slice(shared, alike ? name.length - kind.length : name.length)}`);
 }
 function words({ name, samples, rate_hz, findings }, about2, short2 = name) {
-  const facts = ` ${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
+  const facts = ` ${thousands(samples)} samples, ${Math.round(rate_hz)} Hz`;
   const doubtful = findings.filter((one) => !isNote(one));
   const doubt = make("span", { class: "doubt", text: "⚠ ", title: doubtful.map((one) => textOf(one, about2)).join("\n") });
   return [...doubtful.length > 0 ? [doubt] : [], make("strong", { text: short2 }), facts];
@@ -2445,14 +2450,14 @@ var Pick = class {
 };
 
 // src/raster.js
-function place(xs, ys, frame, pixels = new Int32Array(xs.length)) {
+function place(xs, ys, frame, pixels = new Int32Array(xs.length), every = 1) {
   const { width, height, dot: dot2 } = frame;
   const [right, bottom] = [width - dot2, height - dot2];
   const xStep = right / (frame.x[1] - frame.x[0]);
   const yStep = bottom / (frame.y[1] - frame.y[0]);
   const [xLow, yHigh] = [frame.x[0], frame.y[1]];
   const { x: cutX, y: cutY } = frame.part ?? { x: false, y: false };
-  for (let i = 0; i < xs.length; i++) {
+  for (let i = 0; i < xs.length; i += every) {
     let column = (xs[i] - xLow) * xStep;
     let row = (yHigh - ys[i]) * yStep;
     if (!(column >= 0 && column <= right && row >= 0 && row <= bottom)) {
@@ -2471,13 +2476,13 @@ function place(xs, ys, frame, pixels = new Int32Array(xs.length)) {
 var scratch = new Int32Array(0);
 var MANY2 = 0.25;
 var USUAL2 = 4;
-function cloudOf(xs, ys, frame) {
+function cloudOf(xs, ys, frame, every = 1) {
   const { dot: dot2, width, height } = frame;
   const corners = new Uint32Array(width * height);
   let points = 0;
   if (scratch.length < xs.length) scratch = new Int32Array(xs.length);
-  const pixels = place(xs, ys, frame, scratch);
-  for (let i = 0; i < xs.length; i++) {
+  const pixels = place(xs, ys, frame, scratch, every);
+  for (let i = 0; i < xs.length; i += every) {
     if (pixels[i] < 0) continue;
     corners[pixels[i]]++;
     points++;
@@ -2495,7 +2500,7 @@ function cloudOf(xs, ys, frame) {
       }
     }
   }
-  return { counts, full: Math.max(2, Math.ceil(USUAL2 * dot2 * dot2 * points / Math.max(1, hit))) };
+  return { counts, every, full: Math.max(2, Math.ceil(USUAL2 * dot2 * dot2 * points / Math.max(1, hit))) };
 }
 function drawCloud(image, { counts, full }, colour, strength) {
   const rise = (1 - strength) / Math.log(full);
@@ -2550,10 +2555,31 @@ function pixelColour(text) {
   return (4278190080 | (value & 255) << 16 | value & 65280 | value >> 16) >>> 0;
 }
 
+// src/timing.js
+var times = [];
+var KEPT = 500;
+function timed(what, draw2, start = performance.now()) {
+  requestAnimationFrame(() => {
+    const began = performance.now();
+    draw2();
+    const script = performance.now() - began;
+    requestAnimationFrame(() => {
+      times.push({ what, start, script, painted: performance.now() });
+      if (times.length > KEPT) times.shift();
+    });
+  });
+}
+function idle(work) {
+  if ("requestIdleCallback" in globalThis) requestIdleCallback(work);
+  else setTimeout(work, 50);
+}
+
 // src/plot.js
 var FEW3 = 8e3;
 var FEW_CHOSEN = 20;
 var CLOUDS = 8;
+var AT_ONCE = 5e4;
+var REST_MS2 = 150;
 var Plot = class {
   /**
    * @param {string} name in words, for those who hear the page
@@ -2576,6 +2602,7 @@ var Plot = class {
     this.frame = { width: 0, height: 0, x: [0, 1], y: [0, 1], dot: 2 };
     this.placed = [];
     this.clouds = [];
+    this.rest = 0;
     this.pick = null;
     this.region = null;
     this.scale = 1;
@@ -2615,20 +2642,31 @@ var Plot = class {
     this.drawBox();
     this.mark(this.marked);
   }
-  /** @param {Contents} contents */
-  drawBase({ x, series }) {
+  /** @param {Contents} contents @param {number} [every] of how many points one is drawn, until all of them are */
+  drawBase(contents, every = Math.ceil(contents.x.length / AT_ONCE)) {
+    const { x, series } = contents;
     const image = new ImageData(this.frame.width, this.frame.height);
     const pixels = new Uint32Array(image.data.buffer);
     pixels.fill(pixelColour(this.colour("--paper")));
-    for (const { y, colour, strength } of series) {
-      drawCloud(pixels, this.cloud(x, y), pixelColour(this.colour(colour)), strength);
+    const clouds2 = series.map(({ y }) => this.cloud(x, y, every));
+    for (const [at, { colour, strength }] of series.entries()) {
+      drawCloud(pixels, clouds2[at], pixelColour(this.colour(colour)), strength);
     }
     this.base.getContext("2d")?.putImageData(image, 0, 0);
+    clearTimeout(this.rest);
+    const whole = () => this.contents === contents && this.drawBase(contents, 1);
+    if (clouds2.some((cloud) => cloud.every > 1)) this.rest = setTimeout(() => idle(whole), REST_MS2);
   }
-  /** How many dots each pixel has. @param {Float32Array} x @param {Float32Array} y */
-  cloud(x, y) {
+  /**
+   * How many dots each pixel has, of all points where that is known.
+   * @param {Float32Array} x
+   * @param {Float32Array} y
+   * @param {number} every
+   */
+  cloud(x, y, every) {
     const frame = JSON.stringify(this.frame);
     const at = this.clouds.findIndex((one) => one.x === x && one.y === y && one.frame === frame);
+    if (at < 0 && every > 1) return cloudOf(x, y, this.frame, every);
     const [known2] = at < 0 ? [{ x, y, frame, cloud: cloudOf(x, y, this.frame) }] : this.clouds.splice(at, 1);
     this.clouds = [...this.clouds.slice(1 - CLOUDS), known2];
     return known2.cloud;
@@ -2786,25 +2824,6 @@ function chosenSquares(residual, chosen) {
     count++;
   }
   return { sum, count };
-}
-
-// src/timing.js
-var times = [];
-var KEPT = 500;
-function timed(what, draw2, start = performance.now()) {
-  requestAnimationFrame(() => {
-    const began = performance.now();
-    draw2();
-    const script = performance.now() - began;
-    requestAnimationFrame(() => {
-      times.push({ what, start, script, painted: performance.now() });
-      if (times.length > KEPT) times.shift();
-    });
-  });
-}
-function idle(work) {
-  if ("requestIdleCallback" in globalThis) requestIdleCallback(work);
-  else setTimeout(work, 50);
 }
 
 // src/zoom.js
@@ -3156,7 +3175,7 @@ var Linked = class {
     const part = percent(chosen.length / data.columns.t.length);
     const scale = torqueScale(data);
     const rms = (value) => `RMS ${number(value * scale.factor)} ${scale.unit}`;
-    const count = `${chosen.length.toLocaleString("en")} ${chosen.length === 1 ? "sample" : "samples"} chosen, ${part} of all`;
+    const count = `${thousands(chosen.length)} ${chosen.length === 1 ? "sample" : "samples"} chosen, ${part} of all`;
     if (share.counted === 0 && chosen.length > 0) return this.told(`${count}: nothing is fitted to them`);
     const own = chosen.length > 0 ? ` (${rms(share.rms)})` : "";
     let words3 = `${count}: they have ${percent(share.ofError)} of the squared error${own}`;
@@ -3271,17 +3290,21 @@ var Store = class {
   async ofCapture(node, capture, names) {
     const key2 = `${capture} ${node}`;
     const have = () => ({ ...this.kept.get(capture), ...this.kept.get(key2) });
-    await this.coming.get(key2)?.catch(() => {
+    while (this.coming.has(key2)) await this.coming.get(key2)?.catch(() => {
     });
     const lacking = names.filter((name) => !(name in have()));
     if (lacking.length > 0) {
-      const coming = fetchBytes("/api/arrays", { node, capture, names: lacking.join(",") }).then(decode);
+      const coming = this.fetch(node, capture, lacking).finally(() => this.coming.delete(key2));
       this.coming.set(key2, coming);
-      const entries = Object.entries(await coming.finally(() => this.coming.delete(key2)));
-      this.keep(capture, Object.fromEntries(entries.filter(([name]) => MOTION.has(name))));
-      this.keep(key2, Object.fromEntries(entries.filter(([name]) => !MOTION.has(name))));
+      await coming;
     }
     return have();
+  }
+  /** @param {string} node @param {string} capture @param {string[]} names */
+  async fetch(node, capture, names) {
+    const entries = Object.entries(decode(await fetchBytes("/api/arrays", { node, capture, names: names.join(",") })));
+    this.keep(capture, Object.fromEntries(entries.filter(([name]) => MOTION.has(name))));
+    this.keep(`${capture} ${node}`, Object.fromEntries(entries.filter(([name]) => !MOTION.has(name))));
   }
   /** @param {string} key @param {Columns} columns */
   keep(key2, columns) {
@@ -3452,9 +3475,9 @@ var Live = class {
     const { peak_torque: peak, torque_limit: limit = 0, temperature, clipped = {} } = this.told;
     const scale = torqueScale({ unit: "N m", peak: peak ?? 0 });
     const figures = [
-      `${received.toLocaleString("en")} samples`,
-      `${missing.toLocaleString("en")} lost`,
-      `${Math.round(rate_hz ?? 0).toLocaleString("en")} Hz`
+      `${thousands(received)} samples`,
+      `${thousands(missing)} lost`,
+      `${thousands(Math.round(rate_hz ?? 0))} Hz`
     ];
     if (peak) figures.push(`peak ${number(peak * scale.factor)} ${scale.unit}, allowed ${number(limit * scale.factor)}`);
     for (const [name, count] of Object.entries(clipped)) if (count) figures.push(`${name} saturated ${count} times`);
@@ -3590,7 +3613,7 @@ function head(brush, [x, y], way) {
 
 // src/lead.js
 var COUNT_IN = 4;
-var AT_ONCE = 0.1;
+var AT_ONCE2 = 0.1;
 var STILL = 1e-4;
 function angleAt({ t, theta }, seconds2) {
   if (!(seconds2 > t[0])) return theta[0];
@@ -3613,11 +3636,11 @@ function turnings({ t, theta }) {
     const now = Math.abs(step) < least ? 0 : Math.sign(step);
     if (now === way) continue;
     const last = turns[turns.length - 1];
-    if (t[i - 1] - last.at > AT_ONCE) turns.push({ at: t[i - 1], theta: theta[i - 1], turn: true });
+    if (t[i - 1] - last.at > AT_ONCE2) turns.push({ at: t[i - 1], theta: theta[i - 1], turn: true });
     way = now;
   }
   const end = t.length - 1;
-  if (t[end] - turns[turns.length - 1].at > AT_ONCE) turns.push({ at: t[end], theta: theta[end], turn: true });
+  if (t[end] - turns[turns.length - 1].at > AT_ONCE2) turns.push({ at: t[end], theta: theta[end], turn: true });
   return turns;
 }
 function beats(motion, steps) {
@@ -3630,8 +3653,8 @@ function beats(motion, steps) {
     return Array.from({ length: count }, (_, n) => first + (minute > 0 ? 60 * n / minute : 0));
   });
   times2.push(motion.t[motion.t.length - 1]);
-  const apart2 = times2.filter((at, n) => n === 0 || at - times2[n - 1] > AT_ONCE);
-  const turn = (at) => turns.some((one) => Math.abs(one.at - at) < AT_ONCE);
+  const apart2 = times2.filter((at, n) => n === 0 || at - times2[n - 1] > AT_ONCE2);
+  const turn = (at) => turns.some((one) => Math.abs(one.at - at) < AT_ONCE2);
   return apart2.map((at) => ({ at, theta: angleAt(motion, at), turn: turn(at) }));
 }
 function range(values) {
@@ -4758,7 +4781,7 @@ var App = class {
     try {
       const answer = await post(verb, body);
       if (byId("said").classList.contains("wrong")) this.say("");
-      this.expect(answer.node);
+      if (answer.node && this.state?.node) this.expect(answer.node, this.state.active);
       if (answer.revision !== void 0) this.refresh(answer.revision);
       return answer;
     } catch (reason2) {
@@ -4766,10 +4789,9 @@ var App = class {
       return null;
     }
   }
-  /** Fetch the samples of a node while the state that shows it is on its way. @param {string | null} node */
-  expect(node) {
-    if (!this.state?.node || node === null) return;
-    this.store.columns(node, this.state.active, columnsOf(this.view)).catch(() => {
+  /** Fetch the samples of a node that is about to be shown. @param {string} node @param {string[]} captures */
+  expect(node, captures) {
+    this.store.columns(node, captures, columnsOf(this.view)).catch(() => {
     });
   }
   /**
@@ -4780,6 +4802,7 @@ var App = class {
     if (this.state && this.state.revision >= revision && !this.job) return;
     try {
       const state = await fetchState();
+      if (state.node) this.expect(state.node, state.active);
       this.show(state);
       await this.draw(state);
     } catch (reason2) {
@@ -4865,7 +4888,7 @@ var App = class {
     if (this.state && this.state.node !== node) return;
     this.drawn = wanted2;
     const coordinate = captures.find(({ id }) => active.includes(id))?.coordinate ?? "rotary";
-    const view = this.view;
+    const { view } = this;
     const { what, start } = this.deed ?? { what: "data", start: performance.now() };
     this.deed = null;
     const fitted = !state.params.some(({ dragged }) => dragged);
@@ -4873,17 +4896,17 @@ var App = class {
     const beside = other && rest ? { name: other.name, residual: rest.residual } : null;
     this.legend(beside?.name ?? null);
     byId("masked").hidden = !columns.masked?.some((value) => value === value);
-    const data = { several: active.length > 1, columns, unit, peak, coordinate, noise: state.noise_floor, fitted, name, beside };
-    const brush = this.brushedThen;
-    this.brushedThen = null;
-    const splits = fitted ? this.store.splitsOf(node).catch(() => []) : [];
+    const splits = fitted ? this.store.splits.get(node) : [];
+    const noise = state.noise_floor;
+    const data = { several: active.length > 1, columns, unit, peak, coordinate, noise, fitted, name, beside, splits };
     timed(what, () => {
       this.linked.show(data, view);
-      if (brush) this.linked.brushAgain(brush);
+      if (this.brushedThen) this.linked.brushAgain(this.brushedThen);
       this.then?.();
-      this.then = null;
+      [this.brushedThen, this.then] = [null, null];
     }, start);
-    const found2 = await splits;
+    if (splits) return;
+    const found2 = await this.store.splitsOf(node).catch(() => []);
     if (this.state?.node === node) timed("bins", () => this.linked.lay(found2));
   }
   /** @param {State} state */
