@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,7 +15,9 @@ from command import knobcam, refused
 from small import COUPLINGS
 
 import knobcam as kc
+from knobcam.fit.estimate import Estimate
 from knobcam.learn.proposals import Proposals
+from knobcam.learn.proposing import _ordered
 from knobcam.workbench import surface
 
 
@@ -34,6 +38,27 @@ def found(story: kc.LearningResult) -> Proposals:
     # Nobody else's search knows of it.
     assert set(kc.effects()) == before
     return proposals
+
+
+def proposed(gain: float, complexity: int, se: float) -> Any:
+    """A law as far as its place in the table depends on it."""
+    params = {"a": Estimate(1.0, (0.0, 2.0), "N m", se)}
+    return SimpleNamespace(gain=gain, complexity=complexity, variables=("omega",), params=params)
+
+
+@pytest.mark.parametrize(
+    ("laws", "order"),
+    [
+        # A constant that nothing determines: behind what explains most of as much, before what does not.
+        ([(1000.0, 15, math.nan), (850.0, 4, 0.1), (700.0, 3, 0.1)], [1, 0, 2]),
+        ([(1000.0, 15, math.nan), (750.0, 4, 0.1)], [0, 1]),
+        # The same written anew with more words is left out, and nothing else is.
+        ([(1000.0, 15, 0.1), (999.6, 4, 0.1), (998.0, 3, 0.1)], [1, 2]),
+    ],
+)
+def test_of_laws_the_first_is_one_that_the_data_decide(laws: list[Any], order: list[int]) -> None:
+    given = [proposed(*law) for law in laws]
+    assert [given.index(one) for one in _ordered([(one, False) for one in given])] == order
 
 
 def test_a_brake_that_has_no_name_is_proposed_by_its_law(story: kc.LearningResult, found: Proposals) -> None:

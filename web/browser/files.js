@@ -79,7 +79,7 @@ assert.equal(await page.locator("#captures img, #captures script, main img[src]"
 assert.equal(await page.title(), "knobcam workbench");
 assert.ok(await page.locator("#welcome").isHidden());
 
-for (const option of ["isolated parts", "95 % band"]) await done(page, "data", () => page.getByLabel(option).check());
+for (const option of ["own parts", "95 % band"]) await done(page, "data", () => page.getByLabel(option).check());
 await page.screenshot({ path: join(folder, "10-isolated.png") });
 await accessible(page, "two captures");
 

@@ -1,7 +1,7 @@
 /**
  * A session that goes on: `node going.js CHROMIUM ADDRESS FOLDER MODE`.
  *
- * MODE `leave`: brushes, draws isolated parts and ends without a word. MODE `continue`: takes the offer of the page and
+ * MODE `leave`: brushes, draws own parts and ends without a word. MODE `continue`: takes the offer of the page and
  * tells what is brushed then. Pictures go to FOLDER; what was seen is printed as JSON.
  */
 

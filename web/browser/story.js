@@ -88,7 +88,7 @@ await page.setViewportSize({ width: 800, height: 950 });
 await accessible(page, "narrow");
 await page.setViewportSize({ width: 1500, height: 950 });
 await page.locator(".candidates + details summary").click();
-await accessible(page, "what was weighed in vain");
+await accessible(page, "what is no better than chance");
 await page.locator(".candidates + details summary").click();
 await page.locator("h1").hover();
 figures.look = await done(page, "look", () => candidates.first().hover());
@@ -227,7 +227,7 @@ const before = await page.locator("#look .below p").textContent();
 await page.getByRole("button", { name: `+ ${effect}` }).click();
 figures.report = await brushed(page, "residual over velocity", [0.47, 0.12], [0.62, 0.85]);
 assert.notEqual(await page.locator("#look .below p").textContent(), before, "a brush works in the report");
-await page.locator("#look details summary").click(); // all was weighed in vain by then
+await page.locator("#look details summary").click(); // nothing is better than chance by then
 const weighed = page.locator("#look .candidate").first();
 await weighed.hover();
 await page.getByText(`what ${await weighed.locator(".label").textContent()} would explain`).waitFor();

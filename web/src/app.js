@@ -192,7 +192,7 @@ class App {
     if (deed) this.deed = { what: deed, start: performance.now() };
     try {
       const answer = await post(verb, body);
-      if (byId("said").classList.contains("wrong")) this.say("");
+      this.say("");
       if (answer.node && this.state?.node) this.expect(answer.node, this.state.active); // while the state is on its way
       if (answer.revision !== undefined) this.refresh(answer.revision);
       return answer;

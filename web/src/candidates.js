@@ -159,7 +159,7 @@ export class Candidates {
  * @param {HTMLElement[]} items
  */
 function folded(items) {
-  const words = `${items.length} weighed in vain: too little, or chance`;
+  const words = `${items.length} more: no better than chance, or too little to matter`;
   return make("details", {}, make("summary", { class: "soft", text: words }), make("ul", { class: "candidates" }, ...items));
 }
 

@@ -74,7 +74,7 @@ export function opening(heard) {
   const fresh = (/** @type {File[]} */ files) => {
     mapping.clear(); // other files have columns of their own
     [path.value, alike] = ["", []];
-    byId("open-named").textContent = files.map(({ name }) => name).join(", ");
+    byId("open-named").textContent = `chosen: ${files.map(({ name }) => name).join(", ")}`;
     return take(files);
   };
 

@@ -16,7 +16,7 @@ export function keys({ stop, clear, closer }) {
     if ((typed || chosen) && event.key !== "Escape") return;
     const key = event.key.toLowerCase();
     if (event.key === "Escape") {
-      if (!stop() && !closeMenu(true)) clear();
+      if (!stop() && !closeMenu(true) && !closePanel()) clear();
     } else if (!control && !event.altKey && key === "z") {
       closer();
     } else if (control && (key === "y" || (key === "z" && event.shiftKey))) {
@@ -30,6 +30,13 @@ export function keys({ stop, clear, closer }) {
   document.addEventListener("pointerdown", ({ target }) => {
     if (!(target instanceof Element && target.closest("details.menu"))) closeMenu(false);
   });
+}
+
+/** Close what lies over the plots, the uppermost first. @returns {boolean} whether anything did */
+function closePanel() {
+  const close = ["lead-close", "next-close"].map(byId).find((button) => button.offsetParent !== null);
+  close?.click();
+  return close !== undefined;
 }
 
 /**

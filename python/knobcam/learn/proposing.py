@@ -30,6 +30,11 @@ FITTED = 5
 NAMED = 2
 """Parameters that a sum of laws has to do without before it takes the place of a name."""
 
+MOSTLY = 0.8
+"""Share of what a law with a constant that nothing determines explains, from which one without is first."""
+SAME = 1.0
+"""Variances of the noise by which two laws that are one, written anew, may differ in what they explain."""
+
 
 def propose(story: LearningResult, progress: Callable[[float], object] | None = None) -> Proposals:
     """Return laws for what a story leaves unexplained, none where a name or chance explains as much.
@@ -60,7 +65,7 @@ def propose(story: LearningResult, progress: Callable[[float], object] | None = 
     shortest = min(laws, key=lambda row: row[5])
     rows = laws[:FITTED] if shortest in laws[:FITTED] else [*laws[: FITTED - 1], shortest]
     ordered = _ordered([(_fitted(fit, row), row[4]) for row in rows])
-    if (name := _named(story, fit, ordered[0])) is not None:
+    if (name := _named(story, fit, max(ordered, key=lambda one: one.score))) is not None:
         return replace(none, why=f"{name} explains as much, and has a name")
     needs, surface, written = shapes
     if written is not None:
@@ -170,12 +175,25 @@ def _fitted(fit: Fit, row: Any) -> Proposal:
 
 
 def _ordered(proposals: list[tuple[Proposal, bool]]) -> tuple[Proposal, ...]:
-    """Laws in the order of the search; of those that explain as much as the best, some later.
+    """Laws in the order of the search, one of those that are each other written anew; some later.
 
-    Those that bend what resists below zero beyond doubt.
+    Of those that explain as much as the best those that bend what resists below zero beyond doubt, and those
+    with a constant that nothing determines, whose limit may be what is meant, where one without explains most
+    of as much.
     """
     bent = [(not alike, len(below_zero(one.fit)) if alike else 0) for one, alike in proposals]
-    return tuple(proposals[at][0] for at in sorted(range(len(proposals)), key=bent.__getitem__))
+    laws = [proposals[at][0] for at in sorted(range(len(proposals)), key=bent.__getitem__)]
+    laws = [one for one in laws if not any(_anew(one, other) for other in laws)]
+    firm = [one for one in laws if all(e.determined for e in one.params.values())]
+    if firm and firm[0].gain >= MOSTLY * laws[0].gain:
+        laws.sort(key=lambda one: one is not firm[0])
+    return tuple(laws)
+
+
+def _anew(one: Proposal, other: Proposal) -> bool:
+    """Whether a law is another one that is shorter, written anew: it explains the same."""
+    same = one.variables == other.variables and abs(one.gain - other.gain) <= SAME
+    return same and one.complexity > other.complexity
 
 
 def _named(story: LearningResult, fit: Fit, law: Proposal) -> str | None:

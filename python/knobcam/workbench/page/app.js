@@ -1049,7 +1049,7 @@ var Candidates = class {
   }
 };
 function folded2(items) {
-  const words3 = `${items.length} weighed in vain: too little, or chance`;
+  const words3 = `${items.length} more: no better than chance, or too little to matter`;
   return make("details", {}, make("summary", { class: "soft", text: words3 }), make("ul", { class: "candidates" }, ...items));
 }
 function evidence(row, about2) {
@@ -1711,7 +1711,7 @@ function opening(heard) {
   const fresh = (files) => {
     mapping.clear();
     [path.value, alike] = ["", []];
-    byId("open-named").textContent = files.map(({ name }) => name).join(", ");
+    byId("open-named").textContent = `chosen: ${files.map(({ name }) => name).join(", ")}`;
     return take(files);
   };
   byId("open").addEventListener("click", () => {
@@ -1828,7 +1828,7 @@ function keys({ stop, clear, closer }) {
     if ((typed || chosen) && event.key !== "Escape") return;
     const key2 = event.key.toLowerCase();
     if (event.key === "Escape") {
-      if (!stop() && !closeMenu(true)) clear();
+      if (!stop() && !closeMenu(true) && !closePanel()) clear();
     } else if (!control && !event.altKey && key2 === "z") {
       closer();
     } else if (control && (key2 === "y" || key2 === "z" && event.shiftKey)) {
@@ -1842,6 +1842,11 @@ function keys({ stop, clear, closer }) {
   document.addEventListener("pointerdown", ({ target }) => {
     if (!(target instanceof Element && target.closest("details.menu"))) closeMenu(false);
   });
+}
+function closePanel() {
+  const close = ["lead-close", "next-close"].map(byId).find((button) => button.offsetParent !== null);
+  close?.click();
+  return close !== void 0;
 }
 function closeMenu(focus) {
   const menu = document.querySelector("details.menu[open]");
@@ -4780,7 +4785,7 @@ var App = class {
     if (deed) this.deed = { what: deed, start: performance.now() };
     try {
       const answer = await post(verb, body);
-      if (byId("said").classList.contains("wrong")) this.say("");
+      this.say("");
       if (answer.node && this.state?.node) this.expect(answer.node, this.state.active);
       if (answer.revision !== void 0) this.refresh(answer.revision);
       return answer;
