@@ -147,10 +147,10 @@ fn descents_that_are_stopped_on_their_way() {
         for (period, phase) in [(0.11, 0.4), (0.108, -2.0), (0.16, 3.0)] {
             let start = [("detent.A", 2e-3), ("detent.P", period), ("detent.S", phase)];
             let model = at_values(&model, &[&known[..], &start].concat());
-            for effort in [Effort::Glance, Effort::Within(f64::INFINITY)] {
+            for (called, effort) in [("Glance", Effort::Glance), ("Sketch", Effort::Within(f64::INFINITY))] {
                 let found = descend(&data, &model, &Layout::of(&model), &model.values(), effort);
                 let steps = if effort == Effort::Glance { found.iterations as f64 } else { 0.0 };
-                told.numbers(format!("{} {period} {effort:?}", id.info().id), [found.cost, steps]);
+                told.numbers(format!("{} {period} {called}", id.info().id), [found.cost, steps]);
             }
         }
     }
