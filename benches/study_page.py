@@ -41,31 +41,21 @@ DEEDS = {
 
 
 def measured(samples: int) -> dict[str, dict[str, float]]:
-    """Milliseconds of each deed on a capture of so many samples."""
+    """Milliseconds of each deed on a capture of so many samples; on the largest, of what is done most."""
     sys.path.insert(0, str(ROOT / "tests"))  # the browser is driven as the tests do it
     from test_browser import capture_with_stribeck, script, workbench
 
     with tempfile.TemporaryDirectory() as folder:
         capture = capture_with_stribeck(Path(folder), samples)
-        with workbench(capture) as address:
-            figures: dict[str, Any] = script("story.js", address, "stribeck", folder)["figures"]
-        with workbench(capture) as address:
-            often = script("often.js", address, LINEAR)["figures"]
-        if samples < max(SAMPLES):
-            return figures | often
-        with workbench(capture) as address:
-            return figures | often | script("adding.js", address, *UNWEIGHED)["figures"]
 
+        def figures(name: str, *words: str) -> dict[str, dict[str, float]]:
+            with workbench(capture) as address:
+                told: dict[str, dict[str, float]] = script(name, address, *words)["figures"]
+            return told
 
-def measured_large() -> dict[str, dict[str, float]]:
-    """What is done most, on the largest capture."""
-    from test_browser import capture_with_stribeck, script, workbench
-
-    with tempfile.TemporaryDirectory() as folder:
-        capture = capture_with_stribeck(Path(folder), LARGE)
-        with workbench(capture) as address:
-            figures: dict[str, dict[str, float]] = script("often.js", address, LINEAR)["figures"]
-    return figures
+        story = figures("story.js", "stribeck", folder) if samples in SAMPLES else {}
+        late = figures("adding.js", *UNWEIGHED) if samples == max(SAMPLES) else {}
+        return story | figures("often.js", LINEAR) | late
 
 
 def yardstick_ms() -> float:
@@ -96,8 +86,7 @@ def report(result: dict[str, Any]) -> Iterator[str]:
 def main() -> None:
     result: dict[str, Any] = {"load": os.getloadavg()[0]}
     before = yardstick_ms()
-    result |= {str(samples): measured(samples) for samples in SAMPLES}
-    result[str(LARGE)] = measured_large()
+    result |= {str(samples): measured(samples) for samples in (*SAMPLES, LARGE)}
     result["loop"] = [before, yardstick_ms()]
     lines = list(report(result))
     RESULT.write_text(json.dumps({"report": lines, **result}) + "\n")

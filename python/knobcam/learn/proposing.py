@@ -29,7 +29,6 @@ FITTED = 5
 """Laws that are fitted with the whole model, and so end up in the front: the best and the shortest."""
 NAMED = 2
 """Parameters that a sum of laws has to do without before it takes the place of a name."""
-
 MOSTLY = 0.8
 """Share of what a law with a constant that nothing determines explains, from which one without is first."""
 SAME = 1.0
