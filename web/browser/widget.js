@@ -2,7 +2,7 @@
  * The widget in a page that keeps anywidget's protocol: `node widget.js CHROMIUM MODULE STATE FOLDER`.
  *
  * STATE is what Python shares, bytes as base64 under the names that `bytes` lists, and under `overlay` what its
- * answer about the first candidate would be. Pictures go to FOLDER; what was seen and how long it took is printed.
+ * answer about the first candidate would be. Pictures go to FOLDER; what was said to Python is printed.
  */
 
 import assert from "node:assert/strict";
@@ -71,12 +71,12 @@ await page.evaluate(async () => {
 });
 const inView = (at, selector) => page.locator("body > div").nth(at).locator(selector);
 const words = (at) => inView(at, ".below p").textContent();
-const figures = { first: await painted(page, "data") };
+await painted(page, "data");
 assert.equal(await own(), before, "no style of the widget gets out");
 assert.equal(await inView(0, ".plot:visible").count(), 6, "no style of the notebook gets in");
 assert.match(await inView(0, ".look").textContent(), /25,000 of 1,000,000 samples are shown, taken at random/);
 
-figures.brush = await brushed(page, "residual over velocity", [0.47, 0.12], [0.62, 0.85]);
+await brushed(page, "residual over velocity", [0.47, 0.12], [0.62, 0.85]);
 await page.waitForFunction(() => window.notebook.chosen() > 0);
 await page.waitForTimeout(300);
 const [said] = /^[\d,]+/.exec(await words(0));
@@ -150,4 +150,4 @@ assert.ok([...left.elements, ...left.heard].every((count) => count === 0), "noth
 await page.waitForTimeout(200);
 assert.deepEqual(complaints, []);
 await browser.close();
-console.log(JSON.stringify({ figures, said, saved }));
+console.log(JSON.stringify({ said, saved }));
