@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from known import BASE, Known, climbed
 
+import knobcam as kc
 from knobcam.fit.diagnose import Candidate
 from knobcam.fit.rule import RULE
 from knobcam.learn import contenders, joined, joints
@@ -275,3 +276,16 @@ def test_a_joint_gives_way_to_another_that_explains_better_what_came_in_after_it
     assert steps(*came) is None
     told("compliance", "it cannot be")
     assert steps(*came) is None
+
+
+@pytest.mark.parametrize(
+    ("knob", "motion"), [("knob3", "multisine"), ("knob4", "multisine"), ("knob4", "hand")]
+)
+def test_the_fit_of_a_model_with_a_joint_ends_no_higher_than_where_it_began(knob: str, motion: str) -> None:
+    # Its detents are looked for anew, beside a joint that a search without them bends.
+    model = kc.Model.load(knob).with_effect("backlash")
+    joint = {"backlash.gap": 5e-3, "backlash.k": 500.0, "backlash.d": 0.05, "backlash.share": 0.7}
+    for name, value in joint.items():
+        model = model.with_value(name, value)
+    capture = kc.simulate(model, motion, duration_s=3.0, seed=4)
+    assert kc.fit(capture, model).rmse <= kc.fit(capture, model.frozen()).rmse

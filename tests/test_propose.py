@@ -40,10 +40,11 @@ def found(story: kc.LearningResult) -> Proposals:
     return proposals
 
 
-def proposed(gain: float, complexity: int, se: float) -> Any:
+def proposed(gain: float, complexity: int, se: float, label: str = "") -> Any:
     """A law as far as its place in the table depends on it."""
     params = {"a": Estimate(1.0, (0.0, 2.0), "N m", se)}
-    return SimpleNamespace(gain=gain, complexity=complexity, variables=("omega",), params=params)
+    own = label or f"a^{complexity}"
+    return SimpleNamespace(gain=gain, complexity=complexity, variables=("omega",), params=params, label=own)
 
 
 @pytest.mark.parametrize(
@@ -54,6 +55,8 @@ def proposed(gain: float, complexity: int, se: float) -> Any:
         ([(1000.0, 15, math.nan), (750.0, 4, 0.1)], [0, 1]),
         # The same written anew with more words is left out, and nothing else is.
         ([(1000.0, 15, 0.1), (999.6, 4, 0.1), (998.0, 3, 0.1)], [1, 2]),
+        # One formula with other constants is one law.
+        ([(1000.0, 9, 0.1, "a/w"), (990.0, 5, 0.1, "a w"), (900.0, 9, 0.1, "a/w")], [0, 1]),
     ],
 )
 def test_of_laws_the_first_is_one_that_the_data_decide(laws: list[Any], order: list[int]) -> None:

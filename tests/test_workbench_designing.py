@@ -161,6 +161,10 @@ def test_where_nothing_is_tied_the_next_motion_is_for_what_is_known_least(
     state = shown(client)
     assert Said.of(state["experiment"]["verdict"]).startswith(f"{param} is known ")
     assert len(state["active"]) == 2 and bench.session.node.fit.params[param].se < before
+    post(client, "undo")
+    assert shown(client)["experiment"] is None and bench.session.node.fit.params[param].se == before
+    post(client, "redo")
+    assert shown(client)["experiment"] == state["experiment"]
     design = bench.session.designed(found["id"])
     again = designing.Designed.again(json.loads(json.dumps(design.record())))
     assert again.known == design.known and again.verdict == design.verdict

@@ -15,9 +15,10 @@ from workbench_server import served, wrong
 import knobcam as kc
 from knobcam.base.said import Said
 from knobcam.workbench.bench import Bench
-from knobcam.workbench.proposing import looked_for, taken
+from knobcam.workbench.proposing import looked_for, taken, typed
 from knobcam.workbench.script import script
 from knobcam.workbench.session import Session
+from knobcam.workbench.state import document
 
 
 @pytest.fixture(scope="module")
@@ -103,6 +104,20 @@ def test_a_session_with_a_law_goes_on(braked: kc.Capture, tmp_path: Path) -> Non
         assert one["rmse"] == pytest.approx(other["rmse"], rel=1e-6)
     for one, other in zip(before["params"], after["params"], strict=True):
         assert one["name"] == other["name"] and one["value"] == pytest.approx(other["value"], rel=1e-3)
+
+
+def test_a_law_of_one_machine_is_not_weighed_on_another(braked: kc.Capture) -> None:
+    session = Session()
+    own = session.take(braked, "braked")
+    typed(session, "2 a (omega/w) / (1 + (omega/w)^2)", "eddy", {"w": 1.3}, quiet)
+    session.undo()
+    assert "eddy" in {one["effect"] for one in document(session)["absent"]}  # undone, it may come again
+    session.take(braked_knob(0.01, 2.0), "another", together=False)
+    assert "eddy" not in {one["effect"] for one in document(session)["absent"]}
+    diagnosis = session.weigh()
+    assert "eddy" not in {one.effect for one in diagnosis.candidates} | set(diagnosis.left_out)
+    session.use([own])
+    assert "eddy" in {one["effect"] for one in document(session)["absent"]}
 
 
 def test_the_script_of_a_session_makes_the_law_again(braked: kc.Capture, tmp_path: Path) -> None:

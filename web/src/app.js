@@ -289,7 +289,7 @@ class App {
 
   /** @param {State} state */
   async draw(state) {
-    const { node, active, unit, peak, captures } = state;
+    const { node, active } = state;
     const other = state.branches.find(({ id }) => id === this.beside);
     const otherNode = other?.steps[other.at]?.node;
     const wanted = JSON.stringify([node, active, this.view, otherNode, other?.name]);
@@ -299,7 +299,6 @@ class App {
     const rest = otherNode ? await this.store.columns(otherNode, active, ["residual"]) : null;
     if (this.state && this.state.node !== node) return;
     this.drawn = wanted;
-    const coordinate = captures.find(({ id }) => active.includes(id))?.coordinate ?? "rotary";
     const { view } = this;
     const { what, start } = this.deed ?? { what: "data", start: performance.now() };
     this.deed = null;
@@ -310,7 +309,7 @@ class App {
     byId("masked").hidden = !columns.masked?.some((value) => value === value);
     const splits = fitted ? this.store.splits.get(node) : []; // where nothing is fitted, nothing is told of chance
     const noise = state.noise_floor;
-    const data = { several: active.length > 1, columns, unit, peak, coordinate, noise, fitted, name, beside, splits };
+    const data = { several: active.length > 1, columns, ...aboutOf(state), noise, fitted, name, beside, splits };
     timed(what, () => {
       this.linked.show(data, view);
       if (this.brushedThen) this.linked.brushAgain(this.brushedThen);

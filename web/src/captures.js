@@ -53,6 +53,8 @@ export function showCaptures(place, state, { use, close }) {
     return make("span", { class: "held-capture" }, chosen, away);
   });
   place.replaceChildren(...buttons);
+  // Of more than fit beside one another, what is shown is seen.
+  buttons[captures.findIndex(({ id }) => active.includes(id))]?.scrollIntoView({ block: "nearest", inline: "nearest" });
 }
 
 /**

@@ -7,6 +7,7 @@ import { nodes } from "./said.js";
 /** @typedef {import("./types.js").Experiment} Experiment */
 
 const LEAST_D = 0.1; // where the bars of D begin
+const MOST_D = 100; // and end: beyond it more tells no more, for nobody would choose the wrong one
 
 /**
  * What each limit of a motion is called, with its unit.
@@ -35,20 +36,15 @@ export function ofLimits(said, about) {
   return pairs.reduce((words, [name, called]) => words.replaceAll(name, `“${called}”`), said);
 }
 
-/** @param {Experiment["pairs"]} pairs */
-export function largest(pairs) {
-  return Math.max(100, ...pairs.flatMap(({ d, standard_d, came }) => [d, standard_d, came ?? 0]));
-}
-
 /**
  * The bars of a pair: what the motion promises, what the best standard one would, what came.
  * @param {Experiment["pairs"][0]} pair
  * @param {import("./said.js").About} about
- * @param {{told: number, most: number}} scale from which D on they are told apart, and the largest
+ * @param {number} told from which D on they are told apart
  */
-export function bars({ names, d, standard_d, wrong_choice, came }, about, { told, most }) {
+export function bars({ names, d, standard_d, wrong_choice, came }, about, told) {
   const share = (/** @type {number} */ value) =>
-    `${(100 * Math.log(Math.max(value, LEAST_D) / LEAST_D)) / Math.log(most / LEAST_D)}%`;
+    `${(100 * Math.log(Math.min(Math.max(value, LEAST_D), MOST_D) / LEAST_D)) / Math.log(MOST_D / LEAST_D)}%`;
   const row = (/** @type {string} */ words, /** @type {number} */ value, /** @type {string} */ name) => {
     const bar = make("span", { class: `bar ${name}` });
     const line = make("span", { class: "told" });
@@ -59,7 +55,7 @@ export function bars({ names, d, standard_d, wrong_choice, came }, about, { told
       { class: "evidence-line" },
       make("span", { class: "label", text: words }),
       make("span", { class: "track" }, bar, line),
-      make("span", { class: "figure", text: number(value) }),
+      make("span", { class: "figure", text: value > MOST_D ? `> ${MOST_D}` : number(value), title: number(value) }),
     );
   };
   const wrong = wrong_choice < 1e-3 ? "less than 0.1 %" : percent(wrong_choice);

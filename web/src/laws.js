@@ -2,7 +2,7 @@
 
 import { curveWords, drawCurve } from "./curve.js";
 import { byId, make } from "./dom.js";
-import { nodes } from "./said.js";
+import { aboutOf, nodes } from "./said.js";
 import { drawSurface, surfaceWords } from "./surface.js";
 import { number as written, percent, torqueScale } from "./numbers.js";
 
@@ -21,6 +21,7 @@ export class Laws {
     this.place = place;
     this.deeds = deeds;
     this.shown = "";
+    this.of = ""; // which captures what is typed is about
     /** @type {(Pick<State, "curve" | "surface" | "unit" | "peak"> & {coordinate: "rotary" | "linear"}) | null} */
     this.about = null;
     new ResizeObserver(() => this.draw()).observe(byId("curve"));
@@ -37,6 +38,14 @@ export class Laws {
     });
     /** @type {ReturnType<typeof setTimeout> | undefined} */
     this.typing = undefined;
+  }
+
+  /** Of other captures what was typed says nothing. @param {string} captures */
+  another(captures) {
+    if (this.of !== "") /** @type {HTMLFormElement} */ (byId("own-form")).reset();
+    clearTimeout(this.typing);
+    byId("own-tried").textContent = "";
+    this.of = captures;
   }
 
   /** Fit what is typed, once nothing more comes, and say what it would leave. @param {HTMLFormElement} form */
@@ -93,12 +102,14 @@ export class Laws {
   }
 
   /** @param {State} state */
-  show({ candidates, proposed, proposed_said, node, job, rmse, curve, surface, unit, peak, captures }) {
+  show(state) {
+    const { candidates, proposed, proposed_said, node, job, rmse, curve, surface, active } = state;
+    if (active.join() !== this.of) this.another(active.join());
     const shown = JSON.stringify([candidates.ready, proposed, node, job === null]);
     if (shown === this.shown) return;
     this.shown = shown;
     byId("own").hidden = node === null;
-    this.about = { curve, surface, unit, peak, coordinate: captures[0]?.coordinate ?? "rotary" };
+    this.about = { curve, surface, ...aboutOf(state) };
     this.draw();
     const nothing = candidates.rows.length === 0 && candidates.unexplained === null; // is left, nor could be missing
     if (!candidates.ready || node === null || (proposed === null && nothing)) {

@@ -3,7 +3,7 @@
 import { Refusal, ask, fetchBytes, post, wordsOf } from "./api.js";
 import { limits } from "./axes.js";
 import { byId, make } from "./dom.js";
-import { bars, largest, limitWords } from "./evidence.js";
+import { bars, limitWords } from "./evidence.js";
 import { Metronome } from "./metronome.js";
 import { listed } from "./names.js";
 import { motionWords, number, torqueScale, torqueWord } from "./numbers.js";
@@ -155,7 +155,7 @@ export class Next {
     byId("next-source").textContent = source ? `from ${source}` : "";
     byId("next-keys").replaceChildren(...experiment.rivals.map((rival, at) => key(nodes(rival, about), at)));
     byId("next-evidence").hidden = pairs.length === 0;
-    byId("next-pairs").replaceChildren(...pairs.flatMap((pair) => bars(pair, about, { told: experiment.told, most: largest(pairs) })));
+    byId("next-pairs").replaceChildren(...pairs.flatMap((pair) => bars(pair, about, experiment.told)));
     const tempi = new Set(steps.map(({ beats }) => Math.round(beats)).filter(Boolean));
     const led = tempi.size === 1 ? ` at ${[...tempi][0]} beats a minute` : "";
     byId("next-can").textContent = by_hand ? `By hand, led by a metronome${led}` : "For a motor";

@@ -9,12 +9,12 @@ import { motionWords, number, scaleOf, torqueWord, unitWords } from "./numbers.j
 /** @typedef {{unit: string, peak: number, coordinate: "rotary" | "linear"}} About the captures that a sentence is of */
 
 /**
- * What the sentences of a session are about.
- * @param {Pick<import("./types.js").State, "unit" | "peak" | "captures">} state
+ * What the sentences of a session are about: the captures that are shown, and no others that are open.
+ * @param {Pick<import("./types.js").State, "unit" | "peak" | "captures" | "active">} state
  * @returns {About}
  */
-export function aboutOf({ unit, peak, captures }) {
-  return { unit, peak, coordinate: captures[0]?.coordinate ?? "rotary" };
+export function aboutOf({ unit, peak, captures, active }) {
+  return { unit, peak, coordinate: captures.find(({ id }) => active.includes(id))?.coordinate ?? "rotary" };
 }
 
 const DIRECTIONS = new Map([[1, " forward"], [-1, " backward"]]);

@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { known } from "../src/names.js";
-import { adviceOf, sentence } from "../src/said.js";
+import { aboutOf, adviceOf, sentence } from "../src/said.js";
 
 globalThis.location = /** @type {any} */ ({ search: "" });
 const KNOB = /** @type {const} */ ({ unit: "N m", peak: 0.02, coordinate: "rotary" });
@@ -24,6 +24,13 @@ test("a stretch of an axis is in words, along the load in the unit of the torque
   const drag = /** @type {const} */ ({ value: 0.00123, unit: "N m s/rad", text: "0.00123" });
   assert.equal(sentence([drag], KNOB), "1.23\u00a0mNm s/rad");
   assert.equal(sentence([{ ...drag, unit: "N m s^2/rad" }], KNOB), "0.00123\u00a0kg m²");
+});
+
+test("what is said is of the captures that are shown, whatever else is open", () => {
+  const captures = /** @type {any[]} */ ([{ id: "c1", coordinate: "rotary" }, { id: "c2", coordinate: "linear" }]);
+  const state = { unit: "N", peak: 40, captures };
+  assert.deepEqual(aboutOf({ ...state, active: ["c2"] }), SLIDE);
+  assert.equal(aboutOf({ ...state, active: ["c1"] }).coordinate, "rotary");
 });
 
 test("columns are called by what they are of a knob, of a slide and of a motor", () => {

@@ -174,7 +174,7 @@ def _fitted(fit: Fit, row: Any) -> Proposal:
 
 
 def _ordered(proposals: list[tuple[Proposal, bool]]) -> tuple[Proposal, ...]:
-    """Laws in the order of the search, one of those that are each other written anew; some later.
+    """Laws in the order of the search, one of those that say the same, written anew or not; some later.
 
     Of those that explain as much as the best those that bend what resists below zero beyond doubt, and those
     with a constant that nothing determines, whose limit may be what is meant, where one without explains most
@@ -182,6 +182,8 @@ def _ordered(proposals: list[tuple[Proposal, bool]]) -> tuple[Proposal, ...]:
     """
     bent = [(not alike, len(below_zero(one.fit)) if alike else 0) for one, alike in proposals]
     laws = [proposals[at][0] for at in sorted(range(len(proposals)), key=bent.__getitem__)]
+    # The same formula may end with other constants: they are one law, whose best ones come first.
+    laws = [one for at, one in enumerate(laws) if all(one.label != other.label for other in laws[:at])]
     laws = [one for one in laws if not any(_anew(one, other) for other in laws)]
     firm = [one for one in laws if all(e.determined for e in one.params.values())]
     if firm and firm[0].gain >= MOSTLY * laws[0].gain:

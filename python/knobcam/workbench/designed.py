@@ -79,9 +79,10 @@ class Designed:
     def of_use(self, done: Sequence[Node]) -> bool:
         """Whether it is for a branch that came this way; one that was not recorded is for its model alone.
 
-        Nor is it for other captures than those that it was designed from, which are of another knob.
+        Nor is it for other captures than those that it was designed from, which are of another knob. Where
+        its recording was undone, what came of it is not so.
         """
-        way = done if self.capture else done[-1:]
+        way = done[:-1] if self.capture else done[-1:]
         return any(one.id == self.node and {*one.captures} <= {*done[-1].captures} for one in way)
 
     def track(self) -> Any:

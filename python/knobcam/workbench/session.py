@@ -18,7 +18,7 @@ from ..fit import Fit, fit, refit
 from ..fit.diagnose import Diagnosis, diagnose
 from .learned import ladder
 from .tell import quiet
-from .tree import Branch, How, Node, Opened, Start, told_apart
+from .tree import Branch, How, Node, Opened, Start, laws_of_others, told_apart
 from .view import View
 
 if TYPE_CHECKING:
@@ -99,6 +99,11 @@ class Session:
         """The last motion that was designed where the branch is, or recorded on the way there."""
         done = self.branch.done if self.branches else []
         return next((one for one in reversed(self.designs.values()) if one.of_use(done)), None)
+
+    def laws_of_others(self, node: Node) -> set[str]:
+        """Return the formulas of other captures than a node's."""
+        with self.lock:
+            return laws_of_others(node, self.nodes.values())
 
     def place(self, view: View, capture: str) -> int:
         """Return where a capture is among those of a view. Raises InputError if it is not."""
@@ -241,7 +246,8 @@ class Session:
             return known
         doing = "weighing what could be missing"
         tell(doing)
-        diagnosis = diagnose(node.fit, progress=lambda share: tell(doing, share))
+        foreign = self.laws_of_others(node) & set(node.fit.model.catalogue())
+        diagnosis = diagnose(node.fit, without=foreign, progress=lambda share: tell(doing, share))
         _ = diagnosis.comparison.summary  # computed here, where nobody waits for it
         self.diagnoses[node.id] = diagnosis  # whoever comes back to the node has it, wanted now or not
         with self.lock:

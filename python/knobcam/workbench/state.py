@@ -85,7 +85,7 @@ def document(session: Session) -> pages.Session:
         "warnings": list(fitted.warnings),
         "limitations": told.limitations,
         "titles": titles(fitted.model.coordinate),
-        "absent": told.absent,
+        "absent": [one for one in told.absent if one["effect"] not in session.laws_of_others(branch.node)],
         "untold": _untold(steps),
         "proposed": proposing.document(laws),
         "proposed_said": [] if laws is None else laws.headline.document(),

@@ -87,6 +87,14 @@ class Node:
     diagnosis: Diagnosis | None = None
 
 
+def laws_of_others(node: Node, nodes: Iterable[Node]) -> set[str]:
+    """Return the formulas that came in at nodes of other captures alone: they are of another machine."""
+    own, others = set(node.fit.model.laws), set[str]()
+    for one in nodes:
+        (others if set(one.captures).isdisjoint(node.captures) else own).update(one.fit.model.laws)
+    return others - own
+
+
 @dataclass
 class Branch:
     """A line of nodes; those after `at` were undone and can come back.

@@ -199,17 +199,17 @@ mod tests {
     fn strides_lead_to_a_joint_that_a_descent_by_derivatives_ends_beside() {
         let signals = turned(&knob(&[]));
         let data = [&signals];
-        let start = knob(&[
-            ("backlash.gap", 3.4e-3),
-            ("backlash.k", 40.0),
-            ("backlash.d", 0.02),
-            ("coulomb.neg", 4.4e-3),
-        ]);
-        let watch = Watch::new(&|_| true, 1);
-        let floor = Floor::of(&data, &start).squares;
-        let led = refine(&data, &strides(&data, &start, floor, ROUNDS, &watch)).unwrap();
-        let alone = refine(&data, &start).unwrap();
-        assert!(led.rmse < 0.9 * alone.rmse, "{} {}", led.rmse, alone.rmse);
+        for gap in [3.2e-3, 3.4e-3, 3.6e-3] {
+            for (k, d) in [(40.0, 0.02), (60.0, 0.03)] {
+                let contact = [("backlash.gap", gap), ("backlash.k", k), ("backlash.d", d)];
+                let start = knob(&[&contact[..], &[("coulomb.neg", 3.8e-3)]].concat());
+                let watch = Watch::new(&|_| true, 1);
+                let floor = Floor::of(&data, &start).squares;
+                let led = refine(&data, &strides(&data, &start, floor, ROUNDS, &watch)).unwrap();
+                let alone = refine(&data, &start).unwrap();
+                assert!(led.rmse < 0.9 * alone.rmse, "{gap} {k}: {} {}", led.rmse, alone.rmse);
+            }
+        }
     }
 
     #[test]

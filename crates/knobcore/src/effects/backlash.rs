@@ -7,8 +7,9 @@ use crate::scalar::Scalar;
 /// A joint that is stiff (k, d) beyond a free play of `gap`; the knob's side holds `share` of the inertia and
 /// every other load. The surfaces push and never pull.
 ///
+/// A knock may be shorter than a sample: what passes through is told as its mean over one, so that the impulse is whole.
 /// No finite contact is rigid. The neutral one, without gap and as stiff as it may be, leaves the torque as it is
-/// to a hundredth of its size, which the samples next to a reversal make.
+/// to a fiftieth of its size, which the samples next to a reversal make.
 pub struct Backlash;
 
 /// Standard errors by which a gap must differ from nothing.

@@ -1,6 +1,5 @@
 //! Are there detents, and which?
 
-use super::at;
 use super::hidden::{behind, loads};
 use super::scan::{LEAST_PHASE, Scan, range, scan};
 use super::separable::{Effort, Found, Layout, descend};
@@ -215,4 +214,11 @@ impl Judge<'_> {
         let white = self.floor().white;
         if white.is_finite() { white } else { 0.0 }
     }
+}
+
+/// The model where the search ended.
+fn at(model: &Model, found: &Found) -> Model {
+    let mut model = model.clone();
+    model.set_values(&found.p);
+    model
 }

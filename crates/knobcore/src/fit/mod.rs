@@ -47,7 +47,7 @@ use held_out::held_out;
 use moments::{Blocks, used};
 use nalgebra::DMatrix;
 use parts::Parts;
-use separable::{Effort, Layout, descend};
+use separable::{Effort, Layout, at_least_own, descend};
 use serial::{Meat, serial, thinned};
 use solve::{Normal, independent, solvable};
 use std::cell::OnceCell;
@@ -129,7 +129,10 @@ fn found(data: &[&Signals], model: &Model, detents: Detents) -> Result<Fit> {
     }
     let Start { model, found, scan } = start;
     let layout = Layout::of(&model);
-    let found = found.unwrap_or_else(|| descend(data, &model, &layout, &model.values(), Effort::Full));
+    let found = match found {
+        Some(found) if !model.is_coupled() => found,
+        found => at_least_own(found, data, &model, &layout),
+    };
     let mut fit = finish(data, model, &layout, found, scan, &loudest, true)?;
     for name in silent {
         fit.model.set_role(&name, Role::Free)?;
@@ -215,13 +218,6 @@ fn scanned(data: &[&Signals], model: &Model, detents: Detents, loudest: &[f64]) 
     let evaluations = without.evaluations;
     let found = with.map(|with| Found { evaluations: with.evaluations + evaluations, ..with });
     Ok(Some(Start { model: full, found, scan: Some(scan) }))
-}
-
-/// The model where the search ended.
-fn at(model: &Model, found: &Found) -> Model {
-    let mut model = model.clone();
-    model.set_values(&found.p);
-    model
 }
 
 fn is_free(model: &Model, name: &str) -> bool {

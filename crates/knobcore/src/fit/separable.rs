@@ -363,3 +363,10 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64],
         }
     }
 }
+
+/// What a search found, if it is better than where a descent from the model's own values ends: behind a joint a scan may end
+/// far from where a model that is given already is.
+pub fn at_least_own(found: Option<Found>, data: &[&Signals], model: &Model, layout: &Layout) -> Found {
+    let own = descend(data, model, layout, &model.values(), Effort::Full);
+    found.filter(|found| found.cost < own.cost).unwrap_or(own)
+}

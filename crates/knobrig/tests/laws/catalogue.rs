@@ -3,8 +3,9 @@
 use super::*;
 use knobcore::motion::{Channel, Load};
 
-/// No joint is rigid: the stiffest may differ by this share of the torque, which the samples at a reversal make.
-const RIGID: f64 = 1e-2;
+/// No joint is rigid, and what passes through surfaces that knock is its mean over a sample: the stiffest may differ by
+/// this share of the torque, which the samples at a reversal make.
+const RIGID: f64 = 2e-2;
 
 /// What an effect asks at one instant.
 fn loaded(id: Id, p: &[f64], state: &mut [f64], motion: &Motion<f64>) -> Load<f64> {

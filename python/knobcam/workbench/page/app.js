@@ -560,8 +560,8 @@ function band(modelled, half) {
 }
 
 // src/said.js
-function aboutOf({ unit, peak, captures }) {
-  return { unit, peak, coordinate: captures[0]?.coordinate ?? "rotary" };
+function aboutOf({ unit, peak, captures, active }) {
+  return { unit, peak, coordinate: captures.find(({ id }) => active.includes(id))?.coordinate ?? "rotary" };
 }
 var DIRECTIONS = /* @__PURE__ */ new Map([[1, " forward"], [-1, " backward"]]);
 var AGAIN = "open the file once more and";
@@ -656,6 +656,7 @@ function showCaptures(place4, state, { use, close }) {
     return make("span", { class: "held-capture" }, chosen, away);
   });
   place4.replaceChildren(...buttons);
+  buttons[captures.findIndex(({ id }) => active.includes(id))]?.scrollIntoView({ block: "nearest", inline: "nearest" });
 }
 function sharedHead(names) {
   const [first = "", ...others] = names;
@@ -1377,6 +1378,7 @@ function dialog() {
 
 // src/evidence.js
 var LEAST_D = 0.1;
+var MOST_D = 100;
 function limitWords(about2) {
   const { theta, omega, alpha } = motionWords(about2);
   return {
@@ -1392,11 +1394,8 @@ function ofLimits(said, about2) {
   const pairs = Object.entries(limitWords(about2));
   return pairs.reduce((words3, [name, called]) => words3.replaceAll(name, `“${called}”`), said);
 }
-function largest2(pairs) {
-  return Math.max(100, ...pairs.flatMap(({ d, standard_d, came }) => [d, standard_d, came ?? 0]));
-}
-function bars({ names, d, standard_d, wrong_choice, came }, about2, { told, most }) {
-  const share = (value) => `${100 * Math.log(Math.max(value, LEAST_D) / LEAST_D) / Math.log(most / LEAST_D)}%`;
+function bars({ names, d, standard_d, wrong_choice, came }, about2, told) {
+  const share = (value) => `${100 * Math.log(Math.min(Math.max(value, LEAST_D), MOST_D) / LEAST_D) / Math.log(MOST_D / LEAST_D)}%`;
   const row = (words3, value, name) => {
     const bar2 = make("span", { class: `bar ${name}` });
     const line2 = make("span", { class: "told" });
@@ -1407,7 +1406,7 @@ function bars({ names, d, standard_d, wrong_choice, came }, about2, { told, most
       { class: "evidence-line" },
       make("span", { class: "label", text: words3 }),
       make("span", { class: "track" }, bar2, line2),
-      make("span", { class: "figure", text: number(value) })
+      make("span", { class: "figure", text: value > MOST_D ? `> ${MOST_D}` : number(value), title: number(value) })
     );
   };
   const wrong = wrong_choice < 1e-3 ? "less than 0.1 %" : percent(wrong_choice);
@@ -2022,7 +2021,7 @@ function drawSurface(canvas, surface, about2, law) {
   ), noise: null });
   const shown2 = law === null ? surface.value : surface.laws[law - 1];
   if (!shown2) return;
-  const most = largest3(surface);
+  const most = largest2(surface);
   const [left, right, top, bottom] = [MARGIN.left, width - MARGIN.right, MARGIN.top, height - MARGIN.bottom];
   const [wide, high] = [(right - left) / surface.x.length, (bottom - top) / surface.y.length];
   for (const [row, values] of shown2.entries()) {
@@ -2039,12 +2038,12 @@ function ends(places) {
   const half = places.length > 1 ? 0.5 * (places[1] - places[0]) : 0.5;
   return { low: places[0] - half, high: places[places.length - 1] + half };
 }
-function largest3({ value }) {
+function largest2({ value }) {
   return Math.max(...value.flat().map((one) => Math.abs(one ?? 0))) || 1;
 }
 function surfaceWords(surface, about2) {
   const scale = surface.times ? { factor: 1, unit: `${about2.unit} / (${surface.times})` } : torqueScale(about2);
-  const most = `${number(largest3(surface) * scale.factor)} ${scale.unit}`;
+  const most = `${number(largest2(surface) * scale.factor)} ${scale.unit}`;
   return `Over two variables: orange up to ${most}, blue as far below zero; blank where the motion did not go.`;
 }
 
@@ -2060,6 +2059,7 @@ var Laws = class {
     this.place = place4;
     this.deeds = deeds;
     this.shown = "";
+    this.of = "";
     this.about = null;
     new ResizeObserver(() => this.draw()).observe(byId("curve"));
     new ResizeObserver(() => this.draw()).observe(byId("surface"));
@@ -2077,6 +2077,13 @@ var Laws = class {
       if (!(target instanceof HTMLInputElement && target.name === "name")) this.typed(form);
     });
     this.typing = void 0;
+  }
+  /** Of other captures what was typed says nothing. @param {string} captures */
+  another(captures) {
+    if (this.of !== "") byId("own-form").reset();
+    clearTimeout(this.typing);
+    byId("own-tried").textContent = "";
+    this.of = captures;
   }
   /** Fit what is typed, once nothing more comes, and say what it would leave. @param {HTMLFormElement} form */
   typed(form) {
@@ -2139,12 +2146,14 @@ var Laws = class {
     }
   }
   /** @param {State} state */
-  show({ candidates, proposed, proposed_said, node, job, rmse, curve, surface, unit, peak, captures }) {
+  show(state) {
+    const { candidates, proposed, proposed_said, node, job, rmse, curve, surface, active } = state;
+    if (active.join() !== this.of) this.another(active.join());
     const shown2 = JSON.stringify([candidates.ready, proposed, node, job === null]);
     if (shown2 === this.shown) return;
     this.shown = shown2;
     byId("own").hidden = node === null;
-    this.about = { curve, surface, unit, peak, coordinate: captures[0]?.coordinate ?? "rotary" };
+    this.about = { curve, surface, ...aboutOf(state) };
     this.draw();
     const nothing = candidates.rows.length === 0 && candidates.unexplained === null;
     if (!candidates.ready || node === null || proposed === null && nothing) {
@@ -3550,8 +3559,8 @@ function showMoment(data, at) {
   const { theta: way, omega: rate } = motionWords(data);
   const counts = residual[at] === residual[at];
   const modelled = tau[at] - residual[at];
-  let largest4 = 0;
-  for (let i = 0; i < tau.length; i++) if (Math.abs(tau[i]) > largest4) largest4 = Math.abs(tau[i]);
+  let largest3 = 0;
+  for (let i = 0; i < tau.length; i++) if (Math.abs(tau[i]) > largest3) largest3 = Math.abs(tau[i]);
   const { factor, unit } = torqueScale(data);
   const shown2 = (value) => number(value * factor);
   byId("moment-words").textContent = `${number(t[at], 4)} s, ${number(theta[at])} ${way.unit}, ${number(omega[at])} ${rate.unit}; ${torqueWord(data.unit)} ` + (counts ? `${shown2(tau[at])} measured, ${shown2(modelled)} modelled, ${shown2(residual[at])} ${unit} left` : `masked: it does not count`);
@@ -3559,7 +3568,7 @@ function showMoment(data, at) {
   brush.lineWidth = 2.5;
   const colours = ["--measured", "--modelled"].map((name) => styleValue(name, canvas));
   const [ink, paper] = ["--ink", "--shade"].map((name) => styleValue(name, canvas));
-  const torques = [tau[at], modelled].map((value) => counts ? value / (largest4 || 1) : 0);
+  const torques = [tau[at], modelled].map((value) => counts ? value / (largest3 || 1) : 0);
   if (linear) slide(brush, place2(theta, at), torques, { ink, paper, colours });
   else knob(brush, theta[at], torques, { ink, paper, colours });
 }
@@ -3976,7 +3985,7 @@ var Next = class {
     byId("next-source").textContent = source ? `from ${source}` : "";
     byId("next-keys").replaceChildren(...experiment.rivals.map((rival, at) => key(nodes(rival, about2), at)));
     byId("next-evidence").hidden = pairs.length === 0;
-    byId("next-pairs").replaceChildren(...pairs.flatMap((pair) => bars(pair, about2, { told: experiment.told, most: largest2(pairs) })));
+    byId("next-pairs").replaceChildren(...pairs.flatMap((pair) => bars(pair, about2, experiment.told)));
     const tempi = new Set(steps.map(({ beats: beats2 }) => Math.round(beats2)).filter(Boolean));
     const led = tempi.size === 1 ? ` at ${[...tempi][0]} beats a minute` : "";
     byId("next-can").textContent = by_hand ? `By hand, led by a metronome${led}` : "For a motor";
@@ -4882,7 +4891,7 @@ var App = class {
   }
   /** @param {State} state */
   async draw(state) {
-    const { node, active, unit, peak, captures } = state;
+    const { node, active } = state;
     const other = state.branches.find(({ id }) => id === this.beside);
     const otherNode = other?.steps[other.at]?.node;
     const wanted2 = JSON.stringify([node, active, this.view, otherNode, other?.name]);
@@ -4892,7 +4901,6 @@ var App = class {
     const rest = otherNode ? await this.store.columns(otherNode, active, ["residual"]) : null;
     if (this.state && this.state.node !== node) return;
     this.drawn = wanted2;
-    const coordinate = captures.find(({ id }) => active.includes(id))?.coordinate ?? "rotary";
     const { view } = this;
     const { what, start } = this.deed ?? { what: "data", start: performance.now() };
     this.deed = null;
@@ -4903,7 +4911,7 @@ var App = class {
     byId("masked").hidden = !columns.masked?.some((value) => value === value);
     const splits = fitted ? this.store.splits.get(node) : [];
     const noise = state.noise_floor;
-    const data = { several: active.length > 1, columns, unit, peak, coordinate, noise, fitted, name, beside, splits };
+    const data = { several: active.length > 1, columns, ...aboutOf(state), noise, fitted, name, beside, splits };
     timed(what, () => {
       this.linked.show(data, view);
       if (this.brushedThen) this.linked.brushAgain(this.brushedThen);
