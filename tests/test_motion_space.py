@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -10,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from knobcam.capture.motion_plan import Move, Rest, Waves
+from knobcam.capture.motion_plan import MotionPlan, Move, Rest, Waves
 from knobcam.errors import InputError
 from knobcam.learn import motion_space as space
 from knobcam.learn.limits import Limits
@@ -34,7 +35,7 @@ def test_passes_go_to_and_fro_over_their_span_at_their_speed(eased: float):
     assert first == Move(-1.0, eased * 6.0, eased * 80.0)
     assert [move.to for move in rest] == [(2.0, -1.0)[at % 2] for at in range(len(rest))]
     assert {(move.speed, move.acceleration) for move in rest} == {(eased * 6.0, eased * 80.0)}
-    assert words == f"to and fro over 3 rad at {eased * 6:.3g} rad/s, {len(rest)} times"
+    assert words == f"to and fro over 3 rad at {eased * 6:.3g} rad/s, {-(-len(rest) // 2)} times"
     # Another one would take longer than there is.
     takes = sum(move.seconds(at.to) for at, move in zip([first, *rest], rest, strict=False))
     assert 6.0 - rest[0].seconds(-1.0) < takes + first.seconds(0.25) <= 6.0
@@ -49,6 +50,16 @@ def test_passes_go_to_and_fro_over_their_span_at_their_speed(eased: float):
     # So slow that it goes no farther than it comes in its time, about the middle of its span.
     assert abs(slow[0].to - slow[1].to) == pytest.approx(0.45 * speed * 6.0)
     assert slow[0].to + slow[1].to == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("kind", ["passes", "speeds", "loops", "rests"])
+def test_what_is_said_of_a_motion_is_the_speed_that_it_reaches_on_its_way(kind: str) -> None:
+    parts, words = made(kind, 0.0, 1.0, 0.5, 0.0, 0.0)
+    track = MotionPlan(tuple(parts), 0.25).track(1000.0)
+    # The way to where it begins, and from place to place, is longer, and no part of what is told.
+    fastest = float(np.max(np.abs(track.omega[track.t > 0.8 * track.t[-1]])))
+    assert fastest < 0.5 * 6.0
+    assert f"{fastest:.2g}" in {f"{float(one):.2g}" for one in re.findall(r"([\d.e-]+) rad/s", words)}, words
 
 
 def test_speeds_rise_by_equal_ratios_and_no_pass_takes_more_than_its_share():

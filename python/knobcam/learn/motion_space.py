@@ -124,8 +124,9 @@ def _between(low: float, high: float, u: float) -> float:
     return float(low * (high / low) ** u)
 
 
-def _times(n: int) -> str:
-    """Return a number of times for people."""
+def _times(moves: int) -> str:
+    """Return how often moves one way and the other go to and fro, for people."""
+    n = -(-moves // 2)
     return "once" if n == 1 else f"{n} times"
 
 
@@ -139,6 +140,7 @@ class _Filling:
 
     def __init__(self, at: float, seconds: float) -> None:
         self.parts: list[Part] = []
+        self.speeds: list[float] = []  # that the moves reach, on their way and with their acceleration
         self.at, self.left = at, seconds
 
     def put(self, part: Part) -> bool:
@@ -151,6 +153,8 @@ class _Filling:
             return False
         self.left -= takes
         self.parts.append(part)
+        if isinstance(part, Move):
+            self.speeds.append(part.profile(self.at)[0])
         self.at = part.end(self.at)
         return True
 
@@ -181,7 +185,8 @@ def _passes(u: Numbers, limits: Limits, eased: float, seconds: float, at: float)
     ends = 0
     while filling.put(Move((high, low)[ends % 2], speed, hard)):
         ends += 1
-    way = f"{high - low:.3g} {limits.unit} at {speed:.3g} {limits.unit}/s"
+    reached = max(filling.speeds[1:], default=speed)
+    way = f"{high - low:.3g} {limits.unit} at {reached:.3g} {limits.unit}/s"
     return filling.told(ends, f"to and fro over {way}, {_times(ends)}", limits)
 
 
@@ -202,8 +207,11 @@ def _speeds(u: Numbers, limits: Limits, eased: float, seconds: float, at: float)
         if not filling.put(Move(there, speed, hard)):
             break
         ends += 1
-    speeds = f"{slowest:.3g} to {fastest:.3g} {limits.unit}/s, {steps} speeds"
-    return filling.told(ends, f"to and fro {_times(ends)}, each time faster: {speeds}", limits)
+    reached = filling.speeds[1:] or [slowest]
+    many = len({f"{one:.3g}" for one in reached})
+    speeds = f"{min(reached):.3g} to {max(reached):.3g} {limits.unit}/s, {many} speeds"
+    words = f"each time faster: {speeds}" if many > 1 else f"at {reached[0]:.3g} {limits.unit}/s"
+    return filling.told(ends, f"to and fro {_times(ends)}, {words}", limits)
 
 
 def _loops(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) -> tuple[list[Part], str]:
@@ -215,6 +223,7 @@ def _loops(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) 
     low, high = _span(1.0 - size / (2.0 * limits.half), 0.5, limits)
     filling = _Filling(at, seconds)
     moves = reached = 0
+    fastest = 0.0
     for place in range(places):
         there = low + (high - low) * (place + 0.5) / places
         until = seconds * (places - place - 1) / places
@@ -222,12 +231,12 @@ def _loops(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) 
             break
         side, before = 1.0, moves
         while filling.left > until and filling.put(Move(there + side * 0.5 * size, speed, hard)):
-            side, moves = -side, moves + 1
+            side, moves, fastest = -side, moves + 1, max(fastest, filling.speeds[-1])
         reached += moves > before
     small = f"{1e3 * size:.3g} mm" if limits.unit == "m" else f"{math.degrees(size):.3g} degrees"
     way = small if size < 1.0 else f"{size:.3g} {limits.unit}"
     times = f"{_of(moves, 'move')} at {_of(reached, 'place')}"
-    words = f"slow to and fro within {way} at {speed:.3g} {limits.unit}/s, {times}"
+    words = f"slow to and fro within {way} at {fastest:.3g} {limits.unit}/s, {times}"
     return filling.told(moves, words, limits)
 
 
@@ -247,7 +256,8 @@ def _rests(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) 
             break
         moves += 1
     rests = f" with rests of {rest:.2g} s between" if moves > 1 else ""
-    return filling.told(moves, f"{_of(moves, 'move')} at {speed:.3g} {limits.unit}/s{rests}", limits)
+    reached = max(filling.speeds[1:], default=speed)
+    return filling.told(moves, f"{_of(moves, 'move')} at {reached:.3g} {limits.unit}/s{rests}", limits)
 
 
 def _waves(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) -> tuple[list[Part], str]:
