@@ -190,6 +190,18 @@ def test_a_slow_motion_tells_neither_inertia_nor_viscous_friction() -> None:
     assert "too_slow" in kinds(kc.learn(kc.simulate(kc.Model.load("knob2"), slow)))
 
 
+@pytest.mark.parametrize(("rates_hz", "told"), [((1.0,), False), ((1.0, 3.0), True)])
+def test_swings_at_one_rate_tell_no_inertia_from_a_spring(rates_hz: tuple[float, ...], told: bool) -> None:
+    t = np.arange(1, 15001) / 5000.0
+    omega = np.sum([0.5 * np.cos(2.0 * np.pi * rate * t) for rate in rates_hz], axis=0)
+    fit = kc.fit(kc.simulate(kc.hiding("knob2", "return_spring"), track(omega)))
+    assert "one_rate" not in {
+        one.kind for one in limitations(fit)
+    }  # of what is not in the model nothing is said
+    said = {one.kind for one in limitations(fit.add("return_spring"))}
+    assert ("one_rate" not in said) is told
+
+
 @pytest.mark.parametrize(("knob", "effect"), [("knob2", "return_spring"), ("knob3", "torque_drift")])
 def test_a_sweep_is_not_called_slow_because_the_model_is_wrong(knob: str, effect: str) -> None:
     fit = kc.fit(kc.simulate(kc.hiding(knob, effect), "sweep"))

@@ -18,6 +18,7 @@ import { timed } from "./timing.js";
 
 const COLOURS = ["--modelled", "--wrong", "--signature", "--beside", "--chosen", "--ink", "--band", "--measured"];
 const MOTION = ["t", "theta", "omega"];
+const FLAT = 0.2; // of what was recorded: a motion that is smaller is seen from near
 
 export class Next {
   /**
@@ -197,8 +198,8 @@ export class Next {
       this.plots[at].show({
         title: at === 0 ? `${words.theta.name} over time` : `velocity over ${words.theta.name}`,
         ...clouds(x, y, ["--measured", "--signature"]),
-        xAxis: axis(limits(x), at === 0 ? "time, s" : label("theta")),
-        yAxis: axis(limits(y), label(/** @type {"theta" | "omega"} */ (name))),
+        xAxis: at === 0 ? axis(limits(x), "time, s") : seen(x, label("theta")),
+        yAxis: seen(y, label(/** @type {"theta" | "omega"} */ (name))),
         ...{ picked: 0, noise: null },
       });
     }
@@ -348,6 +349,13 @@ function field(form, name) {
 /** @param {[number, number]} ends @param {string} label */
 function axis([low, high], label) {
   return { low, high, factor: 1, label };
+}
+
+/** An axis of all of it, or of the motion, which comes last, where that would be a line beside it. @param {Float32Array[]} every @param {string} label */
+function seen(every, label) {
+  const [whole, own] = [limits(every), limits(every.slice(-1))];
+  const flat = own[1] - own[0] < FLAT * (whole[1] - whole[0]);
+  return { ...axis(flat ? own : whole, label), part: flat };
 }
 
 /**

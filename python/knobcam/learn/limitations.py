@@ -25,6 +25,9 @@ _MOVING = 0.02  # beside the fastest: below it the sign of the velocity means no
 _ONE_WAY = 0.02  # less of the way than this in one direction tells nothing of it
 _EVEN = 1.2  # the 95th over the 5th percentile: speeds that say no more than one speed
 _SEEN = 3.0  # standard deviations
+_TOGETHER = 0.95  # correlation of parameters of which one can take what the other gives
+_HARDLY = 0.25  # standard error of its value: hardly known alone
+_PULLS = "return_spring.k", "unbalance.a", "position_polynomial.p1"
 _SMALL_TURN_RAD = 0.5  # about the widest detent of the haptic-camera paper's knobs (knob 4: 0.478 rad)
 
 
@@ -45,6 +48,7 @@ def limitations(fit: Fit) -> tuple[Limitation, ...]:
         _slowness(fit, omega),
         _excitation(fit, omega),
         width(fit),
+        _one_rate(fit),
         _noise(fit),
     ]
     return tuple(one for one in found if one is not None)
@@ -162,6 +166,24 @@ def width(fit: Fit) -> Limitation | None:
         "depends on position cannot be told apart",
         f"turn through at least {2.0 * needed:.2g} {unit}",
     )
+
+
+def _one_rate(fit: Fit) -> Limitation | None:
+    """Return what swings at one rate cannot tell: an inertia does what a spring does, times its square."""
+    params, inertia = fit.params, "inertia.M"
+    for pull in _PULLS:
+        if not all(name in params and params[name].determined for name in (inertia, pull)):
+            continue
+        known = max(params[name].se / max(abs(params[name].value), 1e-300) for name in (inertia, pull))
+        if abs(fit.correlation[inertia][pull]) > _TOGETHER and known > _HARDLY:
+            return Limitation(
+                "one_rate",
+                f"{inertia} and {pull} are known together, and hardly alone (to {100.0 * known:.0f} %): the "
+                "motion swings at one rate, at which either does what the other does",
+                "record slow moves over the same way, in which the inertia has no part, or swings at another "
+                "rate",
+            )
+    return None
 
 
 def _noise(fit: Fit) -> Limitation | None:

@@ -723,10 +723,10 @@ function folded(items, told, open) {
   return make("li", {}, make("details", { open }, summary, make("ul", {}, ...items)));
 }
 function finding(found2, { id, name, job }, about2, { see, overrule }) {
-  const { key: key2, overruled, stands, seen } = found2;
+  const { key: key2, overruled, stands, seen: seen2 } = found2;
   const [text, note] = [textOf(found2, about2), isNote(found2)];
   const said = `${note || overruled ? "" : "⚠ "}${name}${text}`;
-  const words3 = seen ? make("button", { type: "button", class: "leads", title: "show its samples", text: said, on: { click: () => see(id, key2) } }) : make("span", { text: said });
+  const words3 = seen2 ? make("button", { type: "button", class: "leads", title: "show its samples", text: said, on: { click: () => see(id, key2) } }) : make("span", { text: said });
   const box = make("input", {
     ...{ type: "checkbox", role: "switch", checked: !overruled, disabled: stands !== "", "data-finding": `${name}${key2}` },
     "aria-label": `applied: ${name}${text}`,
@@ -2918,8 +2918,8 @@ var Linked = class {
       put(element2, Math.floor(at / 3) + 1, at % 3 + 1);
     }
     const deeds = {
-      zoom: (plot, at, factor) => this.look(plot, (seen, whole) => zoomed(seen, whole, at, factor)),
-      pan: (plot, share) => this.look(plot, (seen, whole) => panned(seen, whole, share)),
+      zoom: (plot, at, factor) => this.look(plot, (seen2, whole) => zoomed(seen2, whole, at, factor)),
+      pan: (plot, share) => this.look(plot, (seen2, whole) => panned(seen2, whole, share)),
       whole: (plot) => this.look(plot, () => null)
     };
     for (const plot of this.plots) {
@@ -3222,8 +3222,8 @@ function showPicked(choice, offered, { along, data }) {
   }
   choice.value = along;
 }
-function within3(axis2, seen) {
-  return axis2 && seen ? { ...axis2, low: seen[0], high: seen[1], part: true } : axis2;
+function within3(axis2, seen2) {
+  return axis2 && seen2 ? { ...axis2, low: seen2[0], high: seen2[1], part: true } : axis2;
 }
 
 // src/store.js
@@ -3857,6 +3857,7 @@ function dot(brush, x, y, size, colour) {
 // src/next.js
 var COLOURS = ["--modelled", "--wrong", "--signature", "--beside", "--chosen", "--ink", "--band", "--measured"];
 var MOTION2 = ["t", "theta", "omega"];
+var FLAT = 0.2;
 var Next = class {
   /**
    * @param {{store: import("./store.js").Store, design: (body: object) => Promise<unknown>,
@@ -4025,8 +4026,8 @@ var Next = class {
       this.plots[at].show({
         title: at === 0 ? `${words3.theta.name} over time` : `velocity over ${words3.theta.name}`,
         ...clouds(x, y, ["--measured", "--signature"]),
-        xAxis: axis(limits(x), at === 0 ? "time, s" : label("theta")),
-        yAxis: axis(limits(y), label(
+        xAxis: at === 0 ? axis(limits(x), "time, s") : seen(x, label("theta")),
+        yAxis: seen(y, label(
           /** @type {"theta" | "omega"} */
           name
         )),
@@ -4162,6 +4163,11 @@ function field(form, name) {
 }
 function axis([low, high], label) {
   return { low, high, factor: 1, label };
+}
+function seen(every, label) {
+  const [whole, own] = [limits(every), limits(every.slice(-1))];
+  const flat = own[1] - own[0] < FLAT * (whole[1] - whole[0]);
+  return { ...axis(flat ? own : whole, label), part: flat };
 }
 function clouds(x, y, [before, motion]) {
   const whole = x.reduce((total, column) => total + column.length, 0);
