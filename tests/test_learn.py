@@ -195,9 +195,8 @@ def test_swings_at_one_rate_tell_no_inertia_from_a_spring(rates_hz: tuple[float,
     t = np.arange(1, 15001) / 5000.0
     omega = np.sum([0.5 * np.cos(2.0 * np.pi * rate * t) for rate in rates_hz], axis=0)
     fit = kc.fit(kc.simulate(kc.hiding("knob2", "return_spring"), track(omega)))
-    assert "one_rate" not in {
-        one.kind for one in limitations(fit)
-    }  # of what is not in the model nothing is said
+    # Of what is not in the model nothing is said.
+    assert "one_rate" not in {one.kind for one in limitations(fit)}
     said = {one.kind for one in limitations(fit.add("return_spring"))}
     assert ("one_rate" not in said) is told
 

@@ -2,7 +2,7 @@
  * The whole story in a browser: `node story.js CHROMIUM ADDRESS EFFECT FOLDER`.
  *
  * The page at ADDRESS has a capture of a knob that hides EFFECT. Pictures and the saved report go to FOLDER;
- * the RMS errors before, with the effect and with another are printed as JSON.
+ * the RMS errors before, with the effect and with another, and how long the deeds took, are printed as JSON.
  */
 
 import assert from "node:assert/strict";
@@ -16,11 +16,13 @@ const [chrome, address, effect, folder] = process.argv.slice(2);
 const { browser, page, complaints, requests } = await opened(chrome, address);
 page.setDefaultTimeout(120_000);
 const picture = (name) => page.screenshot({ path: join(folder, `${name}.png`) });
-await painted(page, "first picture");
+const figures = {};
+
+figures.first = await painted(page, "first picture");
 const first = await stateOf(page);
 await picture("1-opened");
 
-await brushed(page, "residual over velocity", [0.47, 0.12], [0.62, 0.85]);
+figures.brush = await brushed(page, "residual over velocity", [0.47, 0.12], [0.62, 0.85]);
 const told = await page.locator("#chosen").textContent();
 assert.match(told, /samples chosen, .* of the squared error/);
 await picture("2-brushed");
@@ -95,7 +97,7 @@ await page.locator(".candidates + details summary").click();
 await accessible(page, "what is no better than chance");
 await page.locator(".candidates + details summary").click();
 await page.locator("h1").hover();
-await done(page, "look", () => candidates.first().hover());
+figures.look = await done(page, "look", () => candidates.first().hover());
 await picture("3-looked-at");
 await page.emulateMedia({ colorScheme: "dark" });
 await page.waitForTimeout(200); // the plots take the new colours with the next frame
@@ -131,7 +133,7 @@ assert.ok(await page.locator(".brush:visible").count(), "and nothing else");
 await page.keyboard.press("Escape");
 assert.equal(await page.locator(".brush:visible").count(), 0);
 await candidates.first().focus();
-await done(page, "add", () => page.keyboard.press("Enter"));
+figures.add = await done(page, "add", () => page.keyboard.press("Enter"));
 const second = await stateOf(page);
 assert.ok(second.rmse < 0.9 * first.rmse, `the error fell from ${first.rmse} to ${second.rmse} only`);
 assert.ok(second.rmse < 1.1 * second.noise_floor, `${second.rmse} is not at the floor ${second.noise_floor}`);
@@ -148,9 +150,9 @@ assert.ok(await page.evaluate(() => document.activeElement?.id === "candidates")
 await page.keyboard.press("ArrowDown");
 assert.ok(await candidates.first().evaluate((item) => item === document.activeElement));
 
-await done(page, "undo", () => page.keyboard.press("Control+z"));
+figures.undo = await done(page, "undo", () => page.keyboard.press("Control+z"));
 assert.deepEqual((await stateOf(page)).params, first.params);
-await done(page, "redo", () => page.keyboard.press("Control+Shift+z"));
+figures.redo = await done(page, "redo", () => page.keyboard.press("Control+Shift+z"));
 assert.deepEqual((await stateOf(page)).params, second.params);
 await done(page, "undo", () => page.keyboard.press("Control+z"));
 // The verdict's own words do the same; all torques of the page are in one unit.
@@ -169,13 +171,13 @@ await page.getByRole("button", { name: "New branch" }).click();
 await page.locator(".branch").nth(1).waitFor();
 await candidates.nth(1).waitFor({ timeout: 60_000 });
 const other = await candidates.nth(1).getAttribute("data-effect");
-await done(page, "add", () => candidates.nth(1).getByRole("button", { name: "add" }).click());
+figures.other = await done(page, "add", () => candidates.nth(1).getByRole("button", { name: "add" }).click());
 const third = await stateOf(page);
 assert.equal(third.branches.length, 2);
 const current = third.branches.find(({ id }) => id === third.branch);
 assert.equal(current.steps[current.at].added, other);
 
-await done(page, "beside", () => page.getByRole("checkbox", { name: "side by side" }).check());
+figures.beside = await done(page, "beside", () => page.getByRole("checkbox", { name: "side by side" }).check());
 assert.equal(await page.locator(".plot:visible").count(), 9);
 await brushed(page, "residual over velocity of the branch beside", [0.47, 0.12], [0.62, 0.85]);
 assert.match(await page.locator("#chosen").textContent(), /of the squared error.*; in main: RMS/);
@@ -185,26 +187,26 @@ await page.keyboard.press("Escape");
 await page.getByRole("checkbox", { name: "side by side" }).uncheck();
 
 await brushed(page, "residual over time", [0.3, 0.2], [0.5, 0.8]);
-await done(page, "zoom", () => page.keyboard.press("z"));
+figures.closer = await done(page, "zoom", () => page.keyboard.press("z"));
 const seen = await page.evaluate(() => window.knobcam.app.linked.residuals[2].frame.x);
 assert.ok(seen[1] - seen[0] < 0.4 * third.captures[0].samples / third.captures[0].rate_hz);
 await picture("6-zoomed");
 await page.getByRole("img", { name: "residual over time", exact: true }).hover();
-await done(page, "zoom", () => page.mouse.wheel(0, -300));
+figures.wheel = await done(page, "zoom", () => page.mouse.wheel(0, -300));
 await done(page, "zoom", () => page.getByRole("button", { name: "Zoom" }).click());
 await page.keyboard.press("Escape");
 
 const slider = page.locator(".params input").first();
 await slider.focus();
-await done(page, "drag", () => page.keyboard.press("ArrowRight"));
+figures.drag = await done(page, "drag", () => page.keyboard.press("ArrowRight"));
 assert.ok((await stateOf(page)).rmse >= third.rmse);
-await done(page, "snap", () => page.getByRole("button", { name: "Back to the fit" }).click());
+figures.snap = await done(page, "snap", () => page.getByRole("button", { name: "Back to the fit" }).click());
 assert.deepEqual((await stateOf(page)).params, third.params);
 await page.emulateMedia({ colorScheme: "dark" });
 await page.waitForTimeout(300);
 await picture("7-other-branch-dark");
 
-await done(page, "switch", () => page.locator(".branch").first().click());
+figures.switch = await done(page, "switch", () => page.locator(".branch").first().click());
 await done(page, "redo", () => page.keyboard.press("Control+Shift+z"));
 await page.locator("#save summary").click();
 const saving = page.waitForEvent("download", { timeout: 60_000 });
@@ -229,7 +231,7 @@ await page.setViewportSize({ width: 1500, height: 950 });
 assert.deepEqual(requests.filter((url) => !url.startsWith("file:") && !url.startsWith("data:")), []);
 const before = await page.locator("#look .below p").textContent();
 await page.getByRole("button", { name: `+ ${effect}` }).click();
-await brushed(page, "residual over velocity", [0.47, 0.12], [0.62, 0.85]);
+figures.report = await brushed(page, "residual over velocity", [0.47, 0.12], [0.62, 0.85]);
 assert.notEqual(await page.locator("#look .below p").textContent(), before, "a brush works in the report");
 await page.locator("#look details summary").click(); // nothing is better than chance by then
 const weighed = page.locator("#look .candidate").first();
@@ -238,4 +240,4 @@ await page.getByText(`what ${await weighed.locator(".label").textContent()} woul
 await page.locator("#look").screenshot({ path: join(folder, "9-report-brushed.png") });
 assert.deepEqual(complaints, []);
 await browser.close();
-console.log(JSON.stringify({ rmse: [first.rmse, second.rmse, third.rmse] }));
+console.log(JSON.stringify({ figures, rmse: [first.rmse, second.rmse, third.rmse] }));

@@ -22,7 +22,7 @@ export class Laws {
     this.deeds = deeds;
     this.shown = "";
     this.of = ""; // which captures what is typed is about
-    /** @type {(Pick<State, "curve" | "surface" | "unit" | "peak"> & {coordinate: "rotary" | "linear"}) | null} */
+    /** @type {(Pick<State, "curve" | "surface"> & import("./said.js").About) | null} */
     this.about = null;
     new ResizeObserver(() => this.draw()).observe(byId("curve"));
     new ResizeObserver(() => this.draw()).observe(byId("surface"));

@@ -158,6 +158,10 @@ class _Filling:
         self.at = part.end(self.at)
         return True
 
+    def fastest(self) -> float:
+        """Return the largest speed of the moves after the one to where they begin; 0 where there is none."""
+        return max(self.speeds[1:], default=0.0)
+
     def told(self, times: int, words: str, limits: Limits) -> tuple[list[Part], str]:
         """Return its parts and what they are; without time for more than the way to where it begins, that."""
         way = f"a move to {self.at:.3g} {limits.unit}" if self.parts else _NOTHING
@@ -185,8 +189,7 @@ def _passes(u: Numbers, limits: Limits, eased: float, seconds: float, at: float)
     ends = 0
     while filling.put(Move((high, low)[ends % 2], speed, hard)):
         ends += 1
-    reached = max(filling.speeds[1:], default=speed)
-    way = f"{high - low:.3g} {limits.unit} at {reached:.3g} {limits.unit}/s"
+    way = f"{high - low:.3g} {limits.unit} at {filling.fastest():.3g} {limits.unit}/s"
     return filling.told(ends, f"to and fro over {way}, {_times(ends)}", limits)
 
 
@@ -256,8 +259,8 @@ def _rests(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) 
             break
         moves += 1
     rests = f" with rests of {rest:.2g} s between" if moves > 1 else ""
-    reached = max(filling.speeds[1:], default=speed)
-    return filling.told(moves, f"{_of(moves, 'move')} at {reached:.3g} {limits.unit}/s{rests}", limits)
+    words = f"{_of(moves, 'move')} at {filling.fastest():.3g} {limits.unit}/s{rests}"
+    return filling.told(moves, words, limits)
 
 
 def _waves(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) -> tuple[list[Part], str]:

@@ -47,6 +47,7 @@ def document(session: Session) -> pages.Session:
         branch, view = session.branch, session.view
         diagnosis = session.diagnosis_of(branch.node.id)
         shown, laws = session.experiment, session.proposals.get(branch.node.id)
+        foreign = session.laws_of_others(branch.node)
     fitted = view.fit
     told = _said(fitted)
     steps = ladder(branch.done)
@@ -85,7 +86,7 @@ def document(session: Session) -> pages.Session:
         "warnings": list(fitted.warnings),
         "limitations": told.limitations,
         "titles": titles(fitted.model.coordinate),
-        "absent": [one for one in told.absent if one["effect"] not in session.laws_of_others(branch.node)],
+        "absent": [one for one in told.absent if one["effect"] not in foreign],
         "untold": _untold(steps),
         "proposed": proposing.document(laws),
         "proposed_said": [] if laws is None else laws.headline.document(),
