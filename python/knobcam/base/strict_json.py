@@ -11,7 +11,7 @@ from typing import Any
 
 def as_json(document: Mapping[str, Any], indent: int | None = 1) -> str:
     """Return the document as JSON; numbers that JSON does not have (nan, inf) become null."""
-    return json.dumps(_plain(document), allow_nan=False, indent=indent)
+    return json.dumps(plain(document), allow_nan=False, indent=indent)
 
 
 def island(document: Mapping[str, Any], name: str) -> str:
@@ -21,11 +21,14 @@ def island(document: Mapping[str, Any], name: str) -> str:
     return f'<script type="application/json" id="{name}">{held}</script>'
 
 
-def _plain(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
+def plain(value: Any) -> Any:
+    """Return the same of what JSON has: maps, lists, text and finite numbers; others become null."""
+    if isinstance(value, float):  # as most are
+        return value if math.isfinite(value) else None
+    if isinstance(value, str):
+        return value
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
+        return [plain(item) for item in value]
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
     return str(value) if isinstance(value, Path) else value

@@ -34,17 +34,20 @@ def delayed(fit: Fit) -> _core.Fit | None:
     # Not where a floor is unknown either.
     if fit.before or known or joined or not fit.rmse > _NOTICED * floor:
         return None
-    ahead = _sketched(fit, _AHEAD)
+    sketched = {row[0]: row for row in _core.diagnose(refit.cores(fit), fit.model.core, _BOTH, None, True)}
+    ahead, behind = (_beyond_doubt(fit, sketched[one]) for one in _BOTH)
     if ahead is not None:
         return ahead
-    behind = _sketched(fit, _BEHIND)
     # Much else leaves a torque behind its motion: what explains as much is for the diagnosis to tell.
     best = fit.diagnose().best if behind is not None else None
     return behind if best is not None and best.effect == _BEHIND and not best.equivalent else None
 
 
-def _sketched(fit: Fit, effect: str) -> _core.Fit | None:
-    ((_, core, gain, _, p_value, _),) = _core.diagnose(refit.cores(fit), fit.model.core, [effect], None)
+def _beyond_doubt(
+    fit: Fit, sketched: tuple[str, _core.Fit | None, float, int, float, str]
+) -> _core.Fit | None:
+    """Return the sketch of a delay beside a fit; None where it is in doubt."""
+    effect, core, gain, _, p_value, _ = sketched
     if core is None or p_value > RULE.rare or gain < RULE.price or not _sure(fit, core, effect):
         return None
     return core

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import hashlib
+import sys
 from datetime import UTC, datetime
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..base.strict_json import plain
 from ..capture import load
 from ..capture.capture import of_table
 from ..capture.formats.document import digest as digest_of
@@ -31,7 +34,10 @@ if TYPE_CHECKING:
     from .sources import Source
 
 Row = dict[str, Any]
-"""A capture's row as JSON has it; `params` by name: value, low, high; `units` theirs; `hints` by effect."""
+"""A capture's row as JSON has it; `params` by name: value, low, high; `units` theirs; `hints` by effect.
+
+Of those that are kept (`compact`) a `curve` has arrays, NaN where no sample is.
+"""
 
 
 def row_of(source: Source, settings: Settings, learned: bool, known: str | None) -> Row | None:
@@ -66,7 +72,25 @@ def row_of(source: Source, settings: Settings, learned: bool, known: str | None)
     except BaseException as error:  # a panic of the core is no Exception
         what = " ".join(f"{type(error).__name__}: {error}".split())
         row["error"] = f"{source.name}: the program failed on it ({what}); please report it"
+    told: Row = plain(row)
+    return told
+
+
+def compact(row: Row) -> Row:
+    """Return a row that takes a third of its memory: its numbers in arrays, what rows share held once."""
+    row = {sys.intern(name): value for name, value in row.items()}
+    if row["curve"] is not None:
+        row["curve"] = {name: np.array(column, dtype=np.float64) for name, column in row["curve"].items()}
+    row["params"] = {sys.intern(name): values for name, values in row["params"].items()}
+    row["units"] = _shared(tuple(row["units"].items()))
+    for name in ("settings", "version", "verdict", "coordinate", "unit", "lot", "station"):
+        row[name] = None if row[name] is None else sys.intern(row[name])
     return row
+
+
+@cache
+def _shared(units: tuple[tuple[str, str], ...]) -> dict[str, str]:
+    return dict(units)
 
 
 def is_known(source: Source, digest: str) -> bool:

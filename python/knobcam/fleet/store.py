@@ -23,7 +23,7 @@ from ..errors import InputError
 from ..model import Model
 from . import table
 from .limits import Limits
-from .row import Row
+from .row import Row, compact
 from .settings import Settings
 
 SCHEMA = "knobcam.batch/1"
@@ -101,13 +101,12 @@ class Store:
         """Keep rows, in a part."""
         if not rows:
             return
-        lines = [as_json(one, None) for one in rows]
+        lines = [json.dumps(one, allow_nan=False) for one in rows]
         self._begin()
         make_folder(self.folder / _PARTS)
         self._number += 1
         write(self.folder / _PARTS / f"{self._number:08d}.json", "\n".join(lines))
-        # As they would be read again: whether a batch was interrupted makes no difference.
-        self.rows |= {one["capture"]: one for one in map(json.loads, lines)}
+        self.rows |= {one["capture"]: compact(one) for one in rows}
 
     def finish(self, judged: list[Row], limits: str | None) -> None:
         """Write the table of all rows, as judged by limits, over the one before; remove the parts."""
@@ -181,7 +180,7 @@ def _kept(folder: Path) -> tuple[dict[str, Row], int]:
             raise InputError(
                 f"{part}: is damaged ({error}); remove it, its captures are done again"
             ) from None
-        rows |= {one["capture"]: one for one in done}
+        rows |= {one["capture"]: compact(one) for one in done}
     return rows, number
 
 

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import IO, Any
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from ..base.optional import require
 from ..errors import InputError
-from .row import Row
+from .row import Row, compact
 
 _TEXT = "string"
 _NUMBER = "double"
@@ -114,7 +118,7 @@ def _flat(row: Row) -> Row:
     flat = {name: row.get(name) for name in COLUMNS}
     flat["first"] = None if row.get("first") is None else json.dumps(row["first"], sort_keys=True)
     if row.get("curve") is not None:
-        flat |= {f"curve.{name}": row["curve"][name] for name in _CURVE}
+        flat |= {f"curve.{name}": _listed(row["curve"][name]) for name in _CURVE}
     for name, values in row["params"].items():
         flat |= {name + end: value for end, value in zip(_ENDS, values, strict=True)}
     return flat | (row.get("hints") or {})
@@ -127,7 +131,13 @@ def _deep(flat: Row, params: list[str], units: dict[str, str], hints: list[str])
     row["params"] = {name: [flat[name + end] for end in _ENDS] for name in params if _has(flat, name)}
     row["units"] = {name: units[name] for name in row["params"]}
     row["hints"] = {name: flat[name] for name in hints if flat[name] is not None}
-    return row
+    return compact(row)
+
+
+def _listed(column: ArrayLike) -> list[float | None]:
+    """A column of a curve as a list, nothing where no sample is."""
+    values: list[float] = np.asarray(column, dtype=np.float64).tolist()
+    return [None if math.isnan(value) else value for value in values]
 
 
 def _has(flat: Row, name: str) -> bool:

@@ -2,6 +2,7 @@
 
 use super::rest::Rest;
 use crate::model::Model;
+use crate::order::quantiles;
 use crate::signals::Signals;
 use std::f64::consts::TAU;
 
@@ -161,10 +162,7 @@ fn even(low: f64, high: f64, cells: usize) -> Vec<f64> {
 
 /// Borders between which the samples fall in equal numbers; equal borders are joined.
 fn equal_counts(data: &[&Signals], coordinate: &Coordinate) -> Vec<f64> {
-    let mut values: Vec<f64> = counted(data, coordinate).collect();
-    values.sort_unstable_by(f64::total_cmp);
-    let Some(last) = values.len().checked_sub(1) else { return Vec::new() };
-    let mut borders: Vec<f64> = (0..=BINS).map(|i| values[last * i / BINS]).collect();
+    let mut borders = quantiles(counted(data, coordinate).collect(), BINS);
     borders.dedup();
     borders
 }

@@ -138,10 +138,8 @@ fn regions(rest: &Rest<'_>, bins: &Bins, sums: &[f64], fails: impl Fn(usize) -> 
 /// samples is as good as normal, and it costs a tenth.
 fn noise_captures(rest: &Rest<'_>, random: &mut random::Noise) -> Vec<Vec<Vec<f64>>> {
     let mut draws = vec![Vec::new(); AT_ONCE];
-    let scale = 12.0_f64.sqrt();
     for (signals, noise) in rest.data.iter().zip(&rest.noise) {
-        let mut white =
-            || (0..signals.len() + noise.warm()).map(|_| scale * (random.uniform() - 0.5)).collect();
+        let mut white = || random.even(signals.len() + noise.warm());
         let mut raw: Vec<Vec<f64>> = (0..AT_ONCE).map(|_| noise.colour(white())).collect();
         for segment in &signals.segments {
             let mut columns: Vec<&mut [f64]> =

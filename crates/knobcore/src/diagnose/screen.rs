@@ -12,7 +12,7 @@ use crate::algebra::{dot, orthonormal, orthonormal_beside};
 use crate::effects::{Id, Place, Survey, Wave, apart};
 use crate::fit::{behind, beside_orders, glance, loads, runs, waves};
 use crate::model::{Model, Role, Slot};
-use crate::order::Ascending;
+use crate::order::{Ascending, quantiles};
 use crate::param::{Axis, Kind, Usual};
 use crate::signals::Signals;
 
@@ -336,13 +336,9 @@ fn level(model: &Model, p: &mut [f64]) {
 /// What a capture and a model say to starts of effects.
 pub(super) fn survey(data: &[&Signals], model: &Model) -> Survey {
     let counted = |of: &dyn Fn(&Signals, usize) -> f64| -> Vec<f64> {
-        let mut values: Vec<f64> = data
-            .iter()
-            .flat_map(|s| (0..s.len()).filter(|&at| s.weight[at] > 0.0).map(|at| of(s, at)))
-            .collect();
-        values.sort_by(f64::total_cmp);
-        let last = values.len().saturating_sub(1);
-        (0..=QUANTILES).filter_map(|i| values.get(last * i / QUANTILES).copied()).collect()
+        let values =
+            data.iter().flat_map(|s| (0..s.len()).filter(|&at| s.weight[at] > 0.0).map(|at| of(s, at)));
+        quantiles(values.collect(), QUANTILES)
     };
     Survey {
         theta: counted(&|s, at| s.theta[at]),

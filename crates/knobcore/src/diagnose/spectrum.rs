@@ -1,7 +1,7 @@
 //! The error along frequency: periodograms of the residual beside those of noise alone.
 
 use super::rest::{Region, Rest, Split};
-use crate::order::descending;
+use crate::order::{descending, nth};
 use crate::periodogram::{Periodogram, windows};
 use crate::rule::rule;
 use crate::signals::Signals;
@@ -101,8 +101,8 @@ pub fn split_frequency(rest: &Rest<'_>) -> Split {
 fn surroundings(power: &[f64]) -> Vec<f64> {
     let around = |cell: usize| {
         let mut near = power[cell.saturating_sub(AROUND)..(cell + AROUND + 1).min(power.len())].to_vec();
-        near.sort_by(f64::total_cmp);
-        near[near.len() / 2]
+        let middle = near.len() / 2;
+        nth(&mut near, middle).unwrap_or(0.0)
     };
     (0..power.len()).map(around).collect()
 }

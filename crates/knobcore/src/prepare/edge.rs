@@ -5,6 +5,7 @@ use super::incoherent::Incoherent;
 use super::motion::Moving;
 use crate::filter::ZeroPhase;
 use crate::fourier::Transform;
+use crate::order::nth;
 use crate::signals::Signals;
 use std::f64::consts::{LN_2, PI, TAU};
 use std::ops::Range;
@@ -125,8 +126,8 @@ fn fastest(
         rows.extend(counted.map(|row| [omega[row].abs(), theta[row], tau[row] - slow[row - stretch.start]]));
     }
     let mut speeds: Vec<f64> = rows.iter().map(|[speed, ..]| *speed).collect();
-    speeds.sort_by(f64::total_cmp);
-    let top = speeds.get((TOP * speeds.len() as f64) as usize).copied().filter(|top| *top > 0.0)?;
+    let top = (TOP * speeds.len() as f64) as usize;
+    let top = nth(&mut speeds, top).filter(|top| *top > 0.0)?;
     rows.retain(|[speed, ..]| *speed >= FAST * top);
     rows.truncate(ENOUGH);
     let power = rows.iter().map(|[.., x]| x * x).sum::<f64>() / rows.len() as f64;
@@ -153,8 +154,8 @@ fn highest(sums: &[f64], square: f64) -> Option<(usize, f64)> {
     for block in (0..sums.len()).step_by(NEIGHBOURS).filter(|_| sums.len() >= NEIGHBOURS / 2) {
         let near = block.min(sums.len().saturating_sub(NEIGHBOURS));
         let mut level: Vec<f64> = sums[near..].iter().take(NEIGHBOURS).copied().collect();
-        level.sort_by(f64::total_cmp);
-        let level = level[level.len() / 2] / LN_2;
+        let middle = level.len() / 2;
+        let level = nth(&mut level, middle).unwrap_or(0.0) / LN_2;
         for (at, sum) in sums.iter().enumerate().skip(block).take(NEIGHBOURS) {
             let share = sum / square;
             if *sum > likely * level && share > WORTH {

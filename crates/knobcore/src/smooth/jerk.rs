@@ -136,12 +136,17 @@ fn prediction_error(sensors: &Sensors<'_>, model: &Model, noise: &Noise) -> f64 
     let motion = smooth_rows(sensors, model, &Lifts::default());
     let mut sum = 0.0;
     let margin = MARGIN.min(sensors.len() / 8);
+    let mut before: [(f64, f64); 3] = [(f64::NAN, 0.0); 3];
     for k in margin..sensors.len() - margin {
         let z = sensors.row(k);
         for i in (0..3).filter(|&i| z[i].is_finite() && level[i].is_finite()) {
-            let kept = (motion.sds[i][k] * model.scale[i]).powi(2) / model.variance[i];
-            let error = (z[i] - motion.values[i][k]) / (1.0 - kept).max(TOO_FREE);
-            sum += (error / level[i]).powi(2);
+            // Most are as sure as the one before.
+            let sd = motion.sds[i][k];
+            if before[i].0 != sd {
+                let kept = (sd * model.scale[i]).powi(2) / model.variance[i];
+                before[i] = (sd, ((1.0 - kept).max(TOO_FREE) * level[i]).recip());
+            }
+            sum += ((z[i] - motion.values[i][k]) * before[i].1).powi(2);
         }
     }
     if sum.is_finite() { sum } else { f64::INFINITY }

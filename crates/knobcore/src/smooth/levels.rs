@@ -37,7 +37,7 @@ pub fn noise_from_capture(sensors: &Sensors<'_>) -> Result<Noise> {
     let [theta, omega, alpha] = [Some(sensors.theta), sensors.omega, sensors.alpha]
         .map(|column| column.map_or(f64::INFINITY, |column| level(sensors.t, column)));
     let noise = Noise { theta, omega, alpha, jerk: 0.0 };
-    let counted = noise.theta < COUNTED * quantum(sensors.theta) && repeats(sensors.theta) > SLOW;
+    let counted = repeats(sensors.theta) > SLOW && noise.theta < COUNTED * quantum(sensors.theta);
     let reading = match readings {
         Some(_) => Reading::Stairs,
         None if counted => Reading::Counted,
@@ -72,12 +72,19 @@ fn level(t: &[f64], column: &[f64]) -> f64 {
 
 /// The divided difference of `rows`, at whatever times, scaled so that white noise keeps its variance.
 fn difference(t: &[f64], column: &[f64], rows: &[usize]) -> f64 {
-    let span = t[rows[SAMPLES - 1]] - t[rows[0]];
+    let share = (t[rows[SAMPLES - 1]] - t[rows[0]]).recip();
+    let mut products = [1.0; SAMPLES];
+    for (i, &late) in rows.iter().enumerate() {
+        for (j, &early) in rows[..i].iter().enumerate() {
+            let apart = share * (t[late] - t[early]);
+            products[i] *= apart;
+            products[j] *= -apart;
+        }
+    }
     let (mut sum, mut gain) = (0.0, 0.0);
-    for &i in rows {
-        let others = rows.iter().filter(|&&j| j != i);
-        let weight: f64 = others.map(|&j| (t[i] - t[j]) / span).product::<f64>().recip();
-        sum += weight * (column[i] - column[rows[0]]);
+    for (product, &at) in products.iter().zip(rows) {
+        let weight = product.recip();
+        sum += weight * (column[at] - column[rows[0]]);
         gain += weight * weight;
     }
     sum / gain.sqrt()

@@ -67,7 +67,8 @@ pub fn smooth_rows(sensors: &Sensors<'_>, model: &Model, lifts: &Lifts) -> Motio
         let pass = Pass::new(sensors, model, lifts, checkpoint, first..last);
         if last == n - 1 {
             (x, covariance) = (pass.end.x, pass.end.gains.covariance());
-            motion.set(last, &x, &covariance);
+            motion.doubts(&covariance);
+            motion.set(last, &x);
         }
         let mut used = usize::MAX;
         for k in (first..last).rev() {
@@ -81,8 +82,9 @@ pub fn smooth_rows(sensors: &Sensors<'_>, model: &Model, lifts: &Lifts) -> Motio
                 let change = (covariance.diagonal() - before).component_div(&before).amax();
                 steady = index == used && change < STEADY;
                 used = index;
+                motion.doubts(&covariance);
             }
-            motion.set(k, &x, &covariance);
+            motion.set(k, &x);
         }
         steady = false;
     }
@@ -130,19 +132,25 @@ pub struct Motion {
     /// Their standard deviations.
     pub sds: [Vec<f64>; 3],
     scale: Vector3<f64>,
+    /// The standard deviations of what is set next.
+    sd: Vector3<f64>,
 }
 
 impl Motion {
     fn new(n: usize, model: &Model) -> Self {
         let columns = || [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
-        Self { values: columns(), sds: columns(), scale: model.scale }
+        Self { values: columns(), sds: columns(), scale: model.scale, sd: Vector3::zeros() }
+    }
+
+    fn doubts(&mut self, covariance: &Matrix3<f64>) {
+        self.sd = covariance.diagonal().map(f64::sqrt).component_div(&self.scale);
     }
 
     #[inline]
-    fn set(&mut self, k: usize, x: &Vector3<f64>, covariance: &Matrix3<f64>) {
+    fn set(&mut self, k: usize, x: &Vector3<f64>) {
         for i in 0..3 {
             self.values[i][k] = x[i] / self.scale[i];
-            self.sds[i][k] = covariance[(i, i)].sqrt() / self.scale[i];
+            self.sds[i][k] = self.sd[i];
         }
     }
 }

@@ -131,14 +131,17 @@ def _leaps(t: FloatArray, rest: FloatArray, told: FloatArray, rate_hz: float, le
     seen = min((_seen(values, reach) for reach in _REACH), key=lambda seen: seen.spread)
     noise = max(_noise(values), _ROUNDED * least)
     surely = max(_SURE * seen.spread, _COUNTS * least, _NOISE * noise)
-    theta, longest = rest + told, _LONGEST[int(told.any())]
+    peaks, beside = _peaks(np.abs(seen.size), surely, seen.reach), told.any()
+    if beside and not len(peaks):
+        return []
+    theta, longest = rest + told, _LONGEST[int(beside)]
     swiftest = _swiftest(values, seen.reach)
     widest = _SMALL * float(np.ptp(theta))
 
     def counted(leap: Leap) -> Leap:
         return replace(leap, size=round(leap.size / least) * least) if least > noise else leap
 
-    if not told.any():
+    if not beside:
         plain = together(t * rate_hz, theta, holes(theta, noise, least, surely), seen.reach, noise)
         if plain := [
             counted(leap)
@@ -148,7 +151,6 @@ def _leaps(t: FloatArray, rest: FloatArray, told: FloatArray, rate_hz: float, le
             and not _rows_ahead(theta, leap, seen.reach, surely)
         ]:
             return plain
-    peaks = _peaks(np.abs(seen.size), surely, seen.reach)
     if len(peaks) > _PLACES:
         return []
     found, unlike, last = [], 0, -1
@@ -159,7 +161,7 @@ def _leaps(t: FloatArray, rest: FloatArray, told: FloatArray, rate_hz: float, le
             continue
         if abs(leap.size) < surely or leap.before <= last:
             continue
-        if told.any():
+        if beside:
             own = abs(_beside_the_way(theta, told, leap, seen.reach) - leap.size) < _OWN * abs(leap.size)
             # Of logs that were joined the velocity leaps too.
             if own and leap.after - leap.before <= _BESIDE:

@@ -92,6 +92,8 @@ def check_steps(
     clear = (np.abs(expected) > CLEAR * noise) & (off > np.maximum(CLEAR * noise, 0.5 * np.abs(expected)))
 
     stale = _stale(columns, index, step, least, short & (off > 0.5 * np.abs(expected)))
+    if not (stale.any() or bad["spike"].any() or (off > CLEAR * noise).any()):  # nothing of what follows
+        return _told(t, theta, bad, findings, overruled)
     bad["stale"][index[1:][stale]] = True
     if stale.any():
         at = rows[index[1:][stale]]
@@ -174,7 +176,18 @@ def check_steps(
             rows=rows_in_words(at),
         )
         findings.append(Finding("lost", "t", count, spans(at), words, "mended"))
-    masked = np.zeros(len(rows), dtype=np.bool_)
+    return _told(t, theta, bad, findings, overruled)
+
+
+def _told(
+    t: FloatArray,
+    theta: FloatArray,
+    bad: dict[str, BoolArray],
+    findings: list[Finding],
+    overruled: Collection[str],
+) -> Steps:
+    """What is told of all, without the rows that are bad for a reason that nobody overruled."""
+    masked = np.zeros(len(t), dtype=np.bool_)
     for kind, off_it in bad.items():
         masked |= off_it & (f"{kind}:theta" not in overruled)
     return Steps(t, theta, masked, tuple(findings))
@@ -277,8 +290,12 @@ def _stale(
     An angle in counts repeats by itself; then it is the torque beside it that never would.
     """
     others = [values for name, values in columns.items() if name not in ("t", "theta")]
-    same = np.vstack([step == 0.0, *(np.diff(values[index]) == 0.0 for values in others)])
-    repeats = np.asarray(same.all(axis=0), dtype=np.bool_)
+    same = [step == 0.0]
+    for values in others:
+        if not np.logical_and.reduce(same).any():
+            return np.zeros(len(step), dtype=np.bool_)
+        same.append(np.diff(values[index]) == 0.0)
+    repeats: BoolArray = np.logical_and.reduce(same)
     # At rest, with its motor off, a knob repeats all that it says.
     theta = columns["theta"][index]
     row = np.arange(1, len(theta))
