@@ -1,6 +1,7 @@
 //! Noise of any spectrum: an autoregression of white noise.
 
 use crate::filter::ZeroPhase;
+use num_complex::Complex64;
 use std::f64::consts::TAU;
 
 /// Longest memory, samples.
@@ -56,13 +57,13 @@ impl Noise {
 
     /// Power at this share of the sampling rate; its mean over all is the variance, (N m)^2.
     pub fn power(&self, share: f64) -> f64 {
-        let (mut re, mut im) = (1.0, 0.0);
-        for (a, lag) in self.coefficients.iter().zip(1_u16..) {
-            let (sin, cos) = (TAU * share * f64::from(lag)).sin_cos();
-            re += a * cos;
-            im -= a * sin;
+        let once = Complex64::cis(-TAU * share);
+        let (mut turn, mut sum) = (once, Complex64::ONE);
+        for a in &self.coefficients {
+            sum += turn * *a;
+            turn *= once;
         }
-        self.innovation / (re * re + im * im)
+        self.innovation / sum.norm_sqr()
     }
 
     /// Power behind a measurement filter at this share of the sampling rate, (N m)^2.

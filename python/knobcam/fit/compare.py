@@ -312,7 +312,7 @@ def compare(fit: Fit) -> Comparison:
     """Return where a fit fails: the error split over position, velocity, acceleration, time, load and history
     (distance since the last reversal) and over frequency.
 
-    Chance is made, not looked up: white noise of the sensor's level goes through the same filter into the
+    Held against what chance gives: noise of the sensor's level and colour, behind the same filter, in the
     same bins.
     """
     rotary = fit.model.coordinate == "rotary"

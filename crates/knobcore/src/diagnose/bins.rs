@@ -26,14 +26,14 @@ pub struct Bins {
     /// Samples that count in each bin.
     pub count: Vec<f64>,
     /// Of every capture, stretches of neighbouring samples that share a bin.
-    runs: Vec<Vec<Stretch>>,
+    pub(super) runs: Vec<Vec<Stretch>>,
 }
 
 /// Neighbouring samples from one to before another, that share a bin.
-struct Stretch {
-    from: usize,
-    to: usize,
-    bin: usize,
+pub(super) struct Stretch {
+    pub(super) from: usize,
+    pub(super) to: usize,
+    pub(super) bin: usize,
 }
 
 /// Running totals of a value of every sample of captures. The sum over a stretch is then the difference of two of

@@ -1,5 +1,6 @@
 //! Where a model fails, and which effect it lacks.
 
+mod bands;
 mod beside;
 mod bins;
 mod candidate;
