@@ -37,10 +37,10 @@ impl Summed {
         let reach = seldom.map_or(1, |last| last + 1);
         let (mut sum, mut rise) = (0.0, covariance[0]);
         let mut variances = vec![0.0];
-        for lag in 1..=reach {
+        for later in covariance.iter().skip(1).take(reach) {
             sum += rise;
             variances.push(sum);
-            rise += 2.0 * covariance[lag];
+            rise += 2.0 * later;
         }
         Self { variances, rise }
     }
