@@ -26,14 +26,17 @@ def held(values: FloatArray) -> BoolArray:
     """
     with np.errstate(invalid="ignore"):  # masked readings may be infinite; from one to the next is no step
         step = np.abs(np.diff(values))
-    repeats = np.concatenate(([False], step == 0.0))
+    same, nothing = step == 0.0, np.zeros(len(values), dtype=np.bool_)
+    if np.count_nonzero(same) < _LEAST * len(values):  # as in nearly every log
+        return nothing
+    repeats = np.concatenate(([False], same))
     fresh = np.flatnonzero(~repeats)
-    if repeats.mean() < _LEAST or len(fresh) < _FEWEST:
-        return np.zeros(len(values), dtype=np.bool_)
+    if len(fresh) < _FEWEST:
+        return nothing
     moves = step[step > 0.0]
     alone = np.append(repeats[fresh[:-1] + 1], True)
     if alone.mean() < _ALONE or quantile(moves, 0.5) < _COARSE * float(moves.min()):
-        return np.zeros(len(values), dtype=np.bool_)
+        return nothing
     lengths = np.diff(np.append(fresh, len(values)))
     usual = max(1, round(quantile(lengths.astype(np.float64), 0.5)))
     since = np.arange(len(values)) - np.repeat(fresh, lengths)
