@@ -13,7 +13,7 @@ use crate::special::normal_quantile;
 /// Samples that stand for an endless spectrum: noise is taken to have forgotten what was half as many before.
 const LENGTH: usize = 4096;
 /// Of the sum over all lags, the part that those farther apart may have together.
-const FORGOTTEN: f64 = 1e-3;
+const FORGOTTEN: f64 = 1e-2;
 /// Bins that lie farther apart are taken to have nothing to do with each other.
 const NEAR: usize = 128;
 

@@ -10,8 +10,11 @@ use crate::noise::Noise;
 use crate::periodogram::Periodogram;
 use crate::rule::rule;
 use crate::signals::Signals;
+use std::collections::VecDeque;
 use std::f64::consts::PI;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::iter::repeat;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Samples of the stretches that are looked for again: as many of these as leave enough pairs.
 const WINDOWS: [usize; 5] = [512, 256, 128, 64, 32];
@@ -25,6 +28,9 @@ const SPAN: usize = 1 << 16;
 const POINTS: usize = 16;
 /// Steps of a stretch's length in which it is looked for, before single samples.
 const STEPS: usize = 64;
+/// Sets of captures, with a length of stretches each, that are remembered as looked through: a search has a few views of
+/// the same ones.
+const LOOKED_THROUGH: usize = 64;
 /// Share of a stretch's samples that must count.
 const COUNTED: f64 = 0.9;
 /// What repeats say of the noise of a capture.
@@ -38,6 +44,7 @@ pub(super) struct Pure {
 }
 
 /// A stretch, and where the same motion was made again: captures and rows.
+#[derive(Clone, Copy)]
 struct Pair {
     at: [(usize, usize); 2],
 }
@@ -80,47 +87,8 @@ pub(super) fn pure(data: &[&Signals], raw: &[Vec<f64>]) -> Vec<Option<Pure>> {
 impl Rests<'_> {
     /// Stretches of all captures whose motion was made again.
     fn pairs(&self, window: usize) -> Vec<Pair> {
-        let starts: Vec<Vec<usize>> = self.data.iter().map(|signals| stretches(signals, window)).collect();
-        let looked_for = |capture: usize| {
-            let every = starts[capture].len().div_ceil(MOST).max(1);
-            starts[capture].iter().step_by(every).map(move |row| (capture, *row))
-        };
-        let all = (0..self.data.len()).flat_map(looked_for);
-        all.filter_map(|at| Some(Pair { at: [at, self.again(at, window)?] })).collect()
-    }
-
-    /// Where the motion of a stretch was made again, if it was.
-    fn again(&self, (capture, row): (usize, usize), window: usize) -> Option<(usize, usize)> {
-        let stretch = &self.data[capture].theta[row..row + window];
-        let step = (window / STEPS).max(1);
-        let mut best = (f64::INFINITY, (0, 0));
-        for (other, signals) in self.data.iter().enumerate() {
-            if signals.rate_hz != self.data[capture].rate_hz {
-                continue;
-            }
-            let near = row.saturating_sub(SPAN)..row + SPAN;
-            for segment in signals.segments.iter().filter(|segment| segment.len() >= window) {
-                let last = segment.end - window;
-                for at in (segment.start.max(near.start)..=last.min(near.end)).step_by(step) {
-                    if other == capture && at.abs_diff(row) < window {
-                        continue;
-                    }
-                    let apart = apart(stretch, &signals.theta[at..at + window], window / POINTS, best.0);
-                    if apart < best.0 {
-                        best = (apart, (other, at));
-                    }
-                }
-            }
-        }
-        let (other, coarse) = Some(best.1).filter(|_| best.0.is_finite())?;
-        let signals = self.data[other];
-        let segment = signals.segments.iter().find(|segment| segment.contains(&coarse))?;
-        let near = coarse.saturating_sub(step).max(segment.start)..=(coarse + step).min(segment.end - window);
-        let closeness = |at: &usize| apart(stretch, &signals.theta[*at..at + window], 1, f64::INFINITY);
-        let at = near
-            .filter(|at| other != capture || at.abs_diff(row) >= window)
-            .min_by(|a, b| closeness(a).total_cmp(&closeness(b)))?;
-        self.is_same((capture, row), (other, at), window).then_some((other, at))
+        let same = |pair: &&Pair| self.is_same(pair.at[0], pair.at[1], window);
+        closest(self.data, window).iter().filter(same).copied().collect()
     }
 
     /// Whether the motion of two stretches is the same, as far as the torque asks.
@@ -176,6 +144,76 @@ impl Rests<'_> {
     }
 }
 
+/// Stretches of all captures, each with the one whose motion is closest. A model has no part in that, and it takes longer
+/// than all else here: captures that were looked through lately are not again.
+fn closest(data: &[&Signals], window: usize) -> Arc<Vec<Pair>> {
+    static LATELY: Mutex<VecDeque<(u64, Arc<Vec<Pair>>)>> = Mutex::new(VecDeque::new());
+    let starts: Vec<Vec<usize>> = data.iter().map(|signals| stretches(signals, window)).collect();
+    let key = fingerprint(data, &starts, window);
+    // Whoever stopped in the middle of this has at worst left one entry less.
+    let lately = || LATELY.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, pairs)) = lately().iter().find(|(known, _)| *known == key) {
+        return Arc::clone(pairs);
+    }
+    let looked_for = |capture: usize| {
+        let every = starts[capture].len().div_ceil(MOST).max(1);
+        starts[capture].iter().step_by(every).map(move |row| (capture, *row))
+    };
+    let all = (0..data.len()).flat_map(looked_for);
+    let pairs: Arc<Vec<Pair>> =
+        Arc::new(all.filter_map(|at| Some(Pair { at: [at, again(data, at, window)?] })).collect());
+    let mut lately = lately();
+    lately.truncate(LOOKED_THROUGH - 1);
+    lately.push_front((key, Arc::clone(&pairs)));
+    pairs
+}
+
+/// What all depends on that [`again`] looks at.
+fn fingerprint(data: &[&Signals], starts: &[Vec<usize>], window: usize) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    (window, starts).hash(&mut hasher);
+    for signals in data {
+        signals.rate_hz.to_bits().hash(&mut hasher);
+        signals.segments.hash(&mut hasher);
+        signals.theta.iter().for_each(|theta| hasher.write_u64(theta.to_bits()));
+    }
+    hasher.finish()
+}
+
+/// Where the motion of a stretch came closest to itself.
+fn again(data: &[&Signals], (capture, row): (usize, usize), window: usize) -> Option<(usize, usize)> {
+    let stretch = &data[capture].theta[row..row + window];
+    let step = (window / STEPS).max(1);
+    let mut best = (f64::INFINITY, (0, 0));
+    for (other, signals) in data.iter().enumerate() {
+        if signals.rate_hz != data[capture].rate_hz {
+            continue;
+        }
+        let near = row.saturating_sub(SPAN)..row + SPAN;
+        for segment in signals.segments.iter().filter(|segment| segment.len() >= window) {
+            let last = segment.end - window;
+            for at in (segment.start.max(near.start)..=last.min(near.end)).step_by(step) {
+                if other == capture && at.abs_diff(row) < window {
+                    continue;
+                }
+                let apart = apart(stretch, &signals.theta[at..at + window], window / POINTS, best.0);
+                if apart < best.0 {
+                    best = (apart, (other, at));
+                }
+            }
+        }
+    }
+    let (other, coarse) = Some(best.1).filter(|_| best.0.is_finite())?;
+    let signals = data[other];
+    let segment = signals.segments.iter().find(|segment| segment.contains(&coarse))?;
+    let near = coarse.saturating_sub(step).max(segment.start)..=(coarse + step).min(segment.end - window);
+    let closeness = |at: &usize| apart(stretch, &signals.theta[*at..at + window], 1, f64::INFINITY);
+    let at = near
+        .filter(|at| other != capture || at.abs_diff(row) >= window)
+        .min_by(|a, b| closeness(a).total_cmp(&closeness(b)))?;
+    Some((other, at))
+}
+
 /// Where stretches begin that are looked for: one after the other, those that count.
 fn stretches(signals: &Signals, window: usize) -> Vec<usize> {
     let of = |segment: &std::ops::Range<usize>| {
@@ -202,4 +240,42 @@ fn apart(one: &[f64], other: &[f64], every: usize, most: f64) -> f64 {
         }
     }
     sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A motion to and fro with this period, in samples.
+    fn turned(period: usize) -> Signals {
+        let theta: Vec<f64> = (0..4000).map(|k| (2.0 * PI * k as f64 / period as f64).sin()).collect();
+        let whole = 0..theta.len();
+        Signals {
+            rate_hz: 1000.0,
+            weight: vec![1.0; theta.len()],
+            segments: vec![whole; 1],
+            theta,
+            ..Signals::default()
+        }
+    }
+
+    #[test]
+    fn a_stretch_comes_closest_to_itself_a_period_away_whichever_captures_were_looked_through_before() {
+        let periods = [500, 800, 500];
+        for period in periods {
+            let signals = turned(period);
+            let pairs = closest(&[&signals], 128);
+            assert!(pairs.len() > 20, "{period}");
+            for Pair { at: [(_, one), (_, other)] } in pairs.iter() {
+                assert_eq!(one.abs_diff(*other) % period, 0, "{period}: {one} {other}");
+            }
+        }
+        let [one, other] = [500, 800].map(turned);
+        let starts = vec![stretches(&one, 128)];
+        let key = |signals: &Signals, window| fingerprint(&[signals], &starts, window);
+        assert_eq!(key(&one, 128), key(&one.clone(), 128));
+        assert!(key(&one, 128) != key(&other, 128) && key(&one, 128) != key(&one, 256));
+        let gone = Signals { segments: vec![0..3000; 1], ..one.clone() };
+        assert!(key(&one, 128) != key(&gone, 128));
+    }
 }
