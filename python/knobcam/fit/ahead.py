@@ -24,8 +24,9 @@ _ROWS = 0.6  # below which nobody can tell a delay from how a derivative is take
 def delayed(fit: Fit) -> _core.Fit | None:
     """Return the sketch of a fit with the delay beside it, where that is beyond doubt; None where it is not.
 
-    Only where the delay explains all that the model leaves beyond noise: what else is missing may look like
-    a delay, and is for the diagnosis to tell. Nor beside a joint, or where it was looked for already.
+    Only where the delay explains all that the model leaves beyond noise, and enough of the error to be named:
+    what else is missing may look like a delay, and is for the diagnosis to tell. Nor beside a joint, nor where
+    it was looked for already.
     """
     catalogue, floor = fit.model.catalogue(), fit.noise_floor
     have = fit.model.effects
