@@ -25,7 +25,7 @@ def delayed(fit: Fit) -> _core.Fit | None:
     """Return the sketch of a fit with the delay beside it, where that is beyond doubt; None where it is not.
 
     Only where the delay explains all that the model leaves beyond noise, and enough of the error to be named:
-    what else is missing may look like a delay, and is for the diagnosis to tell. Nor beside a joint, nor where
+    what else is missing may look like one, and is for the diagnosis to tell. Nor beside a joint, nor where
     it was looked for already.
     """
     catalogue, floor = fit.model.catalogue(), fit.noise_floor
