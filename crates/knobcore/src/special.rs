@@ -44,6 +44,13 @@ pub fn normal_quantile(p: f64) -> f64 {
     0.5 * (low + high)
 }
 
+/// What a chi-square of so many degrees over their number stays below as a normal number stays below `z`, by the cube root of
+/// Wilson & Hilferty (1931).
+pub fn chi_square_share(degrees: f64, z: f64) -> f64 {
+    let part = 2.0 / (9.0 * degrees);
+    (1.0 - part + z * part.sqrt()).powi(3)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..base.optional import require
+from ..base.strict_json import plain
 from ..errors import InputError
 from .row import Row, compact
 
@@ -118,7 +117,7 @@ def _flat(row: Row) -> Row:
     flat = {name: row.get(name) for name in COLUMNS}
     flat["first"] = None if row.get("first") is None else json.dumps(row["first"], sort_keys=True)
     if row.get("curve") is not None:
-        flat |= {f"curve.{name}": _listed(row["curve"][name]) for name in _CURVE}
+        flat |= {f"curve.{name}": plain(np.asarray(row["curve"][name]).tolist()) for name in _CURVE}
     for name, values in row["params"].items():
         flat |= {name + end: value for end, value in zip(_ENDS, values, strict=True)}
     return flat | (row.get("hints") or {})
@@ -132,12 +131,6 @@ def _deep(flat: Row, params: list[str], units: dict[str, str], hints: list[str])
     row["units"] = {name: units[name] for name in row["params"]}
     row["hints"] = {name: flat[name] for name in hints if flat[name] is not None}
     return compact(row)
-
-
-def _listed(column: ArrayLike) -> list[float | None]:
-    """A column of a curve as a list, nothing where no sample is."""
-    values: list[float] = np.asarray(column, dtype=np.float64).tolist()
-    return [None if math.isnan(value) else value for value in values]
 
 
 def _has(flat: Row, name: str) -> bool:

@@ -8,7 +8,7 @@ use super::bins::{Bins, Stretch};
 use crate::filter::ZeroPhase;
 use crate::fourier::Transform;
 use crate::noise::Noise;
-use crate::special::normal_quantile;
+use crate::special::{chi_square_share, normal_quantile};
 
 /// Samples that stand for an endless spectrum: noise is taken to have forgotten what was half as many before.
 const LENGTH: usize = 4096;
@@ -119,13 +119,12 @@ impl Band {
 }
 
 /// What a sum of squares with this mean and variance stays below in 95 of 100 cases, as a chi-square of as many degrees
-/// (Satterthwaite 1946; Wilson & Hilferty 1931).
+/// (Satterthwaite 1946).
 fn upper(mean: f64, variance: f64) -> f64 {
     if variance <= 0.0 {
         return mean;
     }
-    let part = variance / (9.0 * mean * mean);
-    mean * (1.0 - part + normal_quantile(0.95) * part.sqrt()).powi(3)
+    mean * chi_square_share(2.0 * mean * mean / variance, normal_quantile(0.95))
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use crate::order::{descending, nth};
 use crate::periodogram::{Periodogram, windows};
 use crate::rule::rule;
 use crate::signals::Signals;
-use crate::special::normal_quantile;
+use crate::special::{chi_square_share, normal_quantile};
 
 /// Longest window, samples: resolves a line to about a hertz at 5 kHz.
 const LONGEST: usize = 8192;
@@ -41,11 +41,10 @@ pub fn split_frequency(rest: &Rest<'_>) -> Split {
     }
     let windows = f64::max(count, 1.0);
     // A mean of K overlapping periodograms is chi-square with about 1.9 K / 1.05 degrees of freedom (Welch
-    // 1967), here in the cube-root approximation of Wilson & Hilferty 1931.
+    // 1967).
     let degrees = 1.8 * windows;
-    let quantile = |z: f64| (1.0 - 2.0 / (9.0 * degrees) + z * (2.0 / (9.0 * degrees)).sqrt()).powi(3);
-    let (usual, limit) =
-        (quantile(normal_quantile(0.95)), quantile(normal_quantile(1.0 - rule().alarm / cells as f64)));
+    let quantile = |p: f64| chi_square_share(degrees, normal_quantile(p));
+    let (usual, limit) = (quantile(0.95), quantile(1.0 - rule().alarm / cells as f64));
     // Power per bin is scaled so that its mean over both halves of the spectrum is the variance.
     let used: f64 = rest.data.iter().map(|s| s.used() as f64).sum();
     let scale = 2.0 / window as f64 / windows;

@@ -9,7 +9,7 @@ use super::separable::Layout;
 use crate::effects::{Id, Wave};
 use crate::fourier::Transform;
 use crate::model::{Model, Role};
-use crate::order::descending;
+use crate::order::{descending, nth};
 use crate::param::Axis;
 use crate::predict::Seeds;
 use crate::signals::Signals;
@@ -119,8 +119,7 @@ fn highest(data: &[&Signals], pitch: f64) -> usize {
         let pairs = signals.omega.iter().zip(&signals.weight);
         let mut speeds: Vec<f64> = pairs.filter(|(_, w)| **w > 0.0).map(|(omega, _)| omega.abs()).collect();
         let at = speeds.len() / 2;
-        let middle =
-            if speeds.is_empty() { 0.0 } else { *speeds.select_nth_unstable_by(at, f64::total_cmp).1 };
+        let middle = nth(&mut speeds, at).unwrap_or(0.0);
         TAU * signals.passes_hz() * pitch / middle
     };
     let [usual, most] = HIGHEST;

@@ -11,7 +11,7 @@ use crate::effects::Wave;
 use crate::fourier::Transform;
 use crate::isa;
 use crate::model::Model;
-use crate::order::descending;
+use crate::order::{descending, nth};
 use crate::param::Axis;
 use crate::predict::Seeds;
 use crate::scalar::{LANES, Pack, Scalar, WIDE, Wide};
@@ -83,8 +83,7 @@ impl Scan {
 
     /// Median gain over all frequencies: what a frequency without detent takes off.
     pub fn background(&self) -> f64 {
-        let (mut gains, middle) = (self.gain.clone(), self.gain.len() / 2);
-        if gains.is_empty() { 0.0 } else { *gains.select_nth_unstable_by(middle, f64::total_cmp).1 }
+        nth(&mut self.gain.clone(), self.gain.len() / 2).unwrap_or(0.0)
     }
 }
 

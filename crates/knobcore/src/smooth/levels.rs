@@ -10,6 +10,7 @@ use super::resolution::{least_noise, quantum};
 use super::sensors::{Noise, Sensors};
 use super::staircase::one_reading_per_step;
 use crate::error::Result;
+use crate::order::nth;
 
 /// Samples in one difference.
 const SAMPLES: usize = 7;
@@ -62,12 +63,8 @@ fn level(t: &[f64], column: &[f64]) -> f64 {
     let stride = (seen.len() / DIFFERENCES).max(1);
     let mut sizes: Vec<f64> =
         seen.windows(SAMPLES).step_by(stride).map(|rows| difference(t, column, rows).abs()).collect();
-    let least = least_noise(column);
-    if sizes.is_empty() {
-        return least;
-    }
-    let middle = sizes.len() / 2;
-    least.max(*sizes.select_nth_unstable_by(middle, f64::total_cmp).1 / MEDIAN)
+    let (least, middle) = (least_noise(column), sizes.len() / 2);
+    nth(&mut sizes, middle).map_or(least, |size| least.max(size / MEDIAN))
 }
 
 /// The divided difference of `rows`, at whatever times, scaled so that white noise keeps its variance.
