@@ -285,7 +285,8 @@ def candidate(effect: str, gain: float, count: int, value: float = 1.0, **more: 
         params={"viscous.pos": estimate(value, 0.1), "detent.S": estimate(value, 0.1, unit="rad")}
     )
     known = {"effect": effect, "gain": gain, "count": count, "score": gain - 12.0 * count, "rmse": 1.0}
-    known |= {"charged": float(count), "equivalent": (), "fit": fit}
+    row = SimpleNamespace(along=False, friction=False)
+    known |= {"charged": float(count), "equivalent": (), "fit": fit, "row": row}
     return SimpleNamespace(**(known | more))
 
 

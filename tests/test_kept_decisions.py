@@ -160,6 +160,7 @@ def candidate(rng: Random, effect: str, base: Any) -> Any:
         beyond_chance=bool(rng.random() < 0.8),
         implausible=one_of(rng, (), (), ("no",)),
         fit=fitted(rng, base),
+        row=SimpleNamespace(along=False, friction=False),
     )
 
 

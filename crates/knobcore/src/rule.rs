@@ -101,6 +101,8 @@ verdict {
     relative: 0.02, "share of what is left", "judgement: where much is left, shapes differ by that much";
     /// Standard errors by which two effects that leave more than noise must differ in what they leave to be told apart.
     told_apart: 2.0, "standard errors", "the usual 95 %; of how they differ in one stretch and the next, as what is left is no noise";
+    /// Of two effects that are one but for the sign of a motion that goes one way, what one may take off less than the other.
+    one_way: 0.05, "share of what it takes off", "judgement: waves are chosen for each apart; not studied apart, as no capture of the examination goes one way";
     /// What a parameter that each of several runs has for itself must take off what noise does not explain.
     own_of_runs: 0.2, "share of the excess", "judgement, as share: what the model misses looks like a zero of the run that has more of it";
     /// Chance of detents that are not there, in a scan of their spatial frequency.

@@ -342,6 +342,7 @@ fn row(py: Python<'_>, id: Id, axis: Axis) -> PyResult<Bound<'_, PyDict>> {
     row.set_item("over", info.over.text())?;
     row.set_item("friction", info.is_friction())?;
     row.set_item("map", info.is_map())?;
+    row.set_item("along", info.is_along())?;
     row.set_item("base", info.base.map(Base::text))?;
     row.set_item("unsearched", info.unsearched)?;
     row.set_item("taken_up", info.taken_up.map(|one| (one.by, one.why)))?;

@@ -41,10 +41,9 @@ COULD_NOT_IN_WORDS = "Too little, no more than chance, or not by their values"
 class Candidate:
     """An effect that could be missing; immutable.
 
-    `fit` is the whole model fitted anew with it, `p_value` how often chance alone would do as well in the
-    whole catalogue, `equivalent` the effects that this capture cannot tell it from, `implausible` what is so
-    about its values, a sentence each. `word` is what the rule says of it, one of `missing`, `part`, `alike`,
-    `less`, `implausible`, `too_little`, `unpaid`, `chance` and `untold`, and `said` the same in words.
+    `fit` is the whole model fitted anew with it, `p_value` how often chance does as well in the catalogue,
+    `equivalent` what this capture cannot tell it from, `implausible` what is so about its values; `word` is
+    what the rule says of it (`pages.Word`), `said` the same in words.
     """
 
     effect: str
@@ -73,10 +72,10 @@ class Candidate:
     def charged(self) -> float:
         """How many parameters it is charged for where others do as well.
 
-        A parameter costs twice the logarithm of its range over what is not known of it (Laplace's
-        approximation of the evidence, all of its range as likely before), and no more than its price.
+        A parameter costs twice the logarithm of its range over what is not known of it (Laplace's evidence,
+        all of the range as likely before), and no more than its price.
         """
-        rows = {f"{self.effect}.{one.name}": one for one in self._row.params}
+        rows = {f"{self.effect}.{one.name}": one for one in self.row.params}
         spared = 0.0
         for name, known in self.parameters.items():
             if name in rows and known.determined and known.se > 0.0:
@@ -85,13 +84,14 @@ class Candidate:
         return self.count - spared
 
     @property
-    def _row(self) -> Effect:
+    def row(self) -> Effect:
+        """What the catalogue says of it."""
         return catalogued(self.effect, self.fit.model.coordinate)
 
     @property
     def place(self) -> str:
         """Where in the chain it acts: coupling, load or sensor."""
-        return self._row.place
+        return self.row.place
 
     @property
     def error_fall(self) -> float:
@@ -139,7 +139,7 @@ class Candidate:
     def evidence(self) -> pages.Candidate:
         """Return what speaks for it and against it, as the pages list it."""
         return {
-            **self._row.document(),
+            **self.row.document(),
             "word": self.word,
             "said": self.said.document(),
             "could_be": self.could_be,

@@ -15,6 +15,7 @@ from .. import _core
 from ..base.pages import Word
 from ..base.said import OfEffect, said
 from .doubts import at_floor, below_zero
+from .one_way import twins
 from .rule import RULE
 
 if TYPE_CHECKING:
@@ -110,17 +111,19 @@ def _doubts(candidates: Sequence[Candidate]) -> list[float]:
     """Return how uncertain it is what each takes off beside the one that takes off most.
 
     That is the standard error of the difference of their squared errors, in variances of the raw noise, from
-    how it varies between stretches of the captures.
+    how it varies between stretches of the captures; infinite where the motion cannot tell them.
     """
-    could = [one for one in candidates if one.score > 0.0 and not one.implausible and not at_floor(one.fit)]
-    if len(could) < 2:
-        return [0.0] * len(candidates)
+    paid = [one for one in candidates if one.score > 0.0 and not one.implausible]
+    same = twins(paid, max(paid, key=lambda one: one.score, default=None))
+    could = [one for one in paid if not at_floor(one.fit)]
     squares = {one.effect: np.square(one.fit.residual) for one in could}
-    best = max(could, key=lambda one: one.score)
-    known = np.isfinite(squares[best.effect])
+    best = max(could, key=lambda one: one.score, default=None)
+    known = np.isfinite(squares[best.effect]) if best else np.empty(0)
 
     def doubt(one: Candidate) -> float:
-        if one.effect not in squares or one.effect == best.effect:
+        if one.effect in same:
+            return math.inf
+        if best is None or one.effect not in squares or one.effect == best.effect:
             return 0.0
         more = (squares[one.effect] - squares[best.effect])[known]
         sums = [float(np.nansum(stretch)) for stretch in np.array_split(more, _STRETCHES)]

@@ -11,6 +11,7 @@ import numpy as np
 from ..capture.formats.units import SI
 from ..capture.prepare import travel
 from ..fit.doubts import astray, at_floor
+from ..fit.one_way import one_way
 from ..fit.unheard import unheard
 from ..model.effects import base_effects
 
@@ -22,7 +23,6 @@ _SHORT_S = 1.0
 _SLOW = 0.1  # slow beside the fastest, at which friction that depends on speed shows
 _SLOW_TIME = 0.002  # even a brisk turn at each end spends this part of the time below that
 _MOVING = 0.02  # beside the fastest: below it the sign of the velocity means nothing
-_ONE_WAY = 0.02  # less of the way than this in one direction tells nothing of it
 _EVEN = 1.2  # the 95th over the 5th percentile: speeds that say no more than one speed
 _SEEN = 3.0  # standard deviations
 _TOGETHER = 0.95  # correlation of parameters of which one can take what the other gives
@@ -66,13 +66,10 @@ def _length(fit: Fit) -> Limitation | None:
 
 
 def _directions(fit: Fit, omega: FloatArray) -> list[Limitation | None]:
-    forward = float(np.sum(omega[omega > 0.0]))
-    backward = -float(np.sum(omega[omega < 0.0]))
-    way = forward + backward
-    one_way = None
-    if min(forward, backward) < _ONE_WAY * way:
-        seen, missing = ("forward", "backward") if forward > backward else ("backward", "forward")
-        one_way = Limitation(
+    only = None
+    if seen := one_way(fit.prepared):
+        missing = "backward" if seen == "forward" else "forward"
+        only = Limitation(
             "one_direction",
             f"the motion is {seen} only: friction {missing}, and whatever differs with the direction, is not "
             "seen, and dry friction cannot be told from a constant torque",
@@ -86,7 +83,7 @@ def _directions(fit: Fit, omega: FloatArray) -> list[Limitation | None]:
             "the motion never turns back: presliding, backlash and other effects of a reversal cannot show",
             "reverse the motion several times, at different places",
         )
-    return [no_reversal, one_way]
+    return [no_reversal, only]
 
 
 def _reversals(omega: FloatArray, moving: float) -> int:

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from ..fit.one_way import twins
 from ..fit.rule import RULE
 
 if TYPE_CHECKING:
@@ -51,7 +52,10 @@ def _weighed(diagnosis: Diagnosis | None, added: str | None) -> list[tuple[Candi
     fit = diagnosis.fit
     noise = min(1.0, (fit.noise_floor / best.rmse) ** 2)
     samples = max(fit.white_squares, math.e)
-    logs = [0.5 * (noise * one.gain - one.charged * math.log(samples)) for one in could]
+    same = twins(could, best)
+    gains = [best.gain if one.effect in same else one.gain for one in could]
+    prices = [one.charged * math.log(samples) for one in could]
+    logs = [0.5 * (noise * gain - price) for gain, price in zip(gains, prices, strict=True)]
     largest = max(logs)
     parts = [math.exp(log - largest) for log in logs]
     both = [(one, part / sum(parts)) for one, part in zip(could, parts, strict=True)]

@@ -55,9 +55,10 @@ class Effect(showing.Tabled):
 
     `title` is what it is called in a list, `name` what a person would say is there, `about` one sentence of
     what it is, `causes` and `remedies` what usually brings it about and takes it away, `latex` its law for
-    typesetting. `over` is what its torque follows, a `map` a torque of position alone, `base` its part in the
-    base model ("always", "where it shows"); `unsearched` says why no motion can show that it is missing; one
-    that `clips` predicts what a sensor at its limit reads; `taken_up` names what others do as well.
+    typesetting. `over` is what its torque follows, a `map` a torque of position alone, what is `along` of
+    position but for the sign of the motion, `base` its part in the base model ("always", "where it shows");
+    `unsearched` says why no motion can show that it is missing; one that `clips` predicts what a sensor at
+    its limit reads; `taken_up` names what others do as well.
     """
 
     id: str
@@ -78,6 +79,7 @@ class Effect(showing.Tabled):
     over: Over
     friction: bool
     map: bool
+    along: bool
     base: str | None
     unsearched: str | None
     clips: bool

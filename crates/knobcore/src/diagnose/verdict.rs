@@ -37,7 +37,8 @@ pub struct Evidence {
     /// Of the squared error of one capture the share that it takes off, where it takes off most: what a capture
     /// shows is no less for others that do not.
     pub felt: f64,
-    /// Standard error of what it takes off more or less than the one that explains most, in variances of the raw noise.
+    /// Standard error of what it takes off more or less than the one that explains most, in variances of the raw noise;
+    /// infinite where the motion cannot tell the two, whatever they leave.
     pub doubt: f64,
     /// Whether its values cannot be its own.
     pub implausible: bool,
@@ -131,7 +132,11 @@ fn judge_by(rule: &Rule, state: &State, all: &[Evidence]) -> Vec<Judgement> {
     // What is left then is no noise, so that it is asked where one leaves less than the other (Vuong 1989).
     let beside = |best: usize, at: usize| {
         let left = all[best].rmse > at_floor(state.white_squares) * state.noise_floor;
-        margin(&all[best]).max(if left { rule.told_apart * all[at].doubt } else { 0.0 })
+        margin(&all[best]).max(if left || all[at].doubt.is_infinite() {
+            rule.told_apart * all[at].doubt
+        } else {
+            0.0
+        })
     };
     let of_those = |word| -> Vec<usize> { (0..all.len()).filter(|&at| words[at] == word).collect() };
     let mut could = of_those(Word::Less);
@@ -275,6 +280,10 @@ mod tests {
             words(&BENT, &[Evidence { bent: 1, ..takes(0.9, 3) }, richer]),
             [Word::Missing, Word::Alike]
         );
+        // Nor where the motion cannot tell them, at the floor or not.
+        let unseen = |rmse| [takes(0.9, 3), Evidence { doubt: f64::INFINITY, rmse, ..takes(0.8, 2) }];
+        let either = |rmse: f64| words(&State { noise_floor: rmse, ..BENT }, &unseen(rmse));
+        assert_eq!([either(1.0), either(1.3)], [(); 2].map(|()| [Word::Alike, Word::Missing].to_vec()));
         // Where noise alone is left its odds are known.
         let at_floor = State { rmse: 1.01, ..BENT };
         let plain = Evidence { gain: 40.0, rmse: 1.0, felt: 0.02, ..takes(0.99, 1) };

@@ -135,6 +135,11 @@ impl Info {
         self.over == Over::Position && self.base.is_none() && self.scan != Some(Wave::Orders)
     }
 
+    /// Whether it is of position but for the sign of the motion: a torque over it, or a friction.
+    pub fn is_along(&self) -> bool {
+        self.over == Over::Position || self.scan == Some(Wave::Friction)
+    }
+
     /// Whether it stores energy of motion and does nothing else.
     pub fn stores(&self) -> bool {
         self.touches == [Channel::Inertia]
