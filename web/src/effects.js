@@ -12,7 +12,7 @@ import { titleOf } from "./names.js";
 const pictures = new Map();
 
 /** @type {Record<string, string>} */
-const PLACES = { load: "moving part itself", coupling: "joint between shaft and knob", sensor: "sensor" };
+const PLACES = { load: "moving part itself", coupling: "joint between what drives and what is moved", sensor: "reading" };
 
 /** Let any effect that the model lacks be chosen. */
 export class AnyEffect {
@@ -67,7 +67,7 @@ export function about(effect, shown) {
   );
   dialog().showModal();
   fitFormulas(byId("about-text"));
-  const alt = `${name}: what it adds to the torque of a small knob; it shows ${shows}`;
+  const alt = `${name}: what it adds to a small model's torque; it shows ${shows}`;
   const drawn = () => frame.replaceChildren(make("img", { alt, src: pictures.get(id) }));
   if (pictures.has(id)) return drawn();
   fetchPicture(id).then(

@@ -27,10 +27,10 @@ export function kindOf({ place, friction, over }) {
 
 /** What is seen, in words. @type {Record<string, string>} */
 export const SEEN = {
-  joint: "shaft and knob with the joint between them, twisted by what it carries",
-  gauge: "the torque sensor: what it reads, and in grey what it would read without this",
+  joint: "what drives and what is moved, and the joint between them with what it carries",
+  gauge: "the reading, and in grey what it would be without this",
   bristles: "two surfaces whose asperities bend like bristles as one slides over the other",
-  hills: "the hills and valleys that this makes of the way, and where the knob is on it",
+  hills: "the hills and valleys that this makes of the way, and where on it the readout is",
   mass: "the mass that has to be set going and stopped",
 };
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache, lru_cache, reduce
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from .. import _core
@@ -13,6 +13,7 @@ from ..base.renamed import renamed
 from ..base.tables import TextTable, text_table
 from ..errors import InputError
 from .plugins import load_plugins
+from .sliding import sliding
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -146,30 +147,7 @@ def effects(coordinate: str = "rotary") -> dict[str, Effect]:
 @lru_cache(maxsize=2)  # one for each kind of axis, as the catalogue stands
 def _effects(coordinate: str, _version: int) -> dict[str, Effect]:
     rows = _core.catalogue(coordinate)
-    return of_rows(rows if coordinate == "rotary" else map(_sliding, rows))
-
-
-_SLIDES = {
-    "moment of inertia": "mass",
-    "rest angle": "rest position",
-    "torques": "forces",
-    "torque": "force",
-    "rad/s": "m/s",
-}
-"""What is called otherwise of an axis that slides than of a knob that turns."""
-_WORDED = ("title", "name", "about", "shows", "causes", "remedies", "meaning")
-
-
-def _sliding(row: dict[str, Any]) -> dict[str, Any]:
-    """Return a row of the catalogue, or one of its parameters, in the words for an axis that slides."""
-    told = row | {key: _in_words_of_slides(row[key]) for key in _WORDED if key in row}
-    return told | {"params": [_sliding(one) for one in row["params"]]} if "params" in row else told
-
-
-def _in_words_of_slides(words: str | list[str]) -> str | list[str]:
-    if not isinstance(words, str):
-        return [str(_in_words_of_slides(one)) for one in words]
-    return reduce(lambda told, word: told.replace(word, _SLIDES[word]), _SLIDES, words)
+    return of_rows(rows if coordinate == "rotary" else map(sliding, rows))
 
 
 def titles(coordinate: str) -> dict[str, str]:

@@ -18,8 +18,8 @@ impl Effect<1> for Offset {
     const SHOWS: &'static str = "everywhere alike";
     const WORDS: Words = Words {
         title: "torque offset",
-        name: "the zero of the torque sensor is off",
-        about: "The torque sensor reads a constant where there is no torque.",
+        name: "the zero of the torque reading is off",
+        about: "A constant torque is read where there is none.",
         causes: &[
             "a sensor whose zero was not set",
             "the weight of a part that hangs on the sensor",

@@ -25,10 +25,10 @@ impl Effect<2> for Saturation {
     const MAKES_NONLINEAR: Option<Nonlinear> = Some(Nonlinear::Everything);
     const WORDS: Words = Words {
         title: "torque saturation",
-        name: "the torque sensor is at its limit",
-        about: "Torques beyond the sensor's range all read the same.",
+        name: "the torque reading is at its limit",
+        about: "Torques beyond what can be read, or what the motor is given, all read the same.",
         causes: &[
-            "a sensor of too small a range",
+            "a sensor of too small a range, or a drive's limit of current",
             "a gain that is set too high",
             "impacts at a stop or in backlash",
         ],

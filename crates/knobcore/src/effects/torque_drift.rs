@@ -33,7 +33,7 @@ impl Effect<8> for TorqueDrift {
     const CONFUSED: &'static [&'static str] = &["friction_drift"];
     const WORDS: Words = Words {
         title: "torque drift",
-        name: "the zero of the torque sensor drifts",
+        name: "the zero of the torque reading drifts",
         about: "The reading creeps over time whatever the knob does.",
         causes: &[
             "a sensor or an amplifier that warms up",

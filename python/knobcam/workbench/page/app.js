@@ -1080,10 +1080,10 @@ function kindOf({ place: place4, friction, over }) {
   return over === "acceleration" ? "mass" : "hills";
 }
 var SEEN2 = {
-  joint: "shaft and knob with the joint between them, twisted by what it carries",
-  gauge: "the torque sensor: what it reads, and in grey what it would read without this",
+  joint: "what drives and what is moved, and the joint between them with what it carries",
+  gauge: "the reading, and in grey what it would be without this",
   bristles: "two surfaces whose asperities bend like bristles as one slides over the other",
-  hills: "the hills and valleys that this makes of the way, and where the knob is on it",
+  hills: "the hills and valleys that this makes of the way, and where on it the readout is",
   mass: "the mass that has to be set going and stopped"
 };
 function drawSection(canvas, effect, motion, at, look) {
@@ -1310,7 +1310,7 @@ function acting(effect, { data, at, added }) {
 
 // src/effects.js
 var pictures = /* @__PURE__ */ new Map();
-var PLACES = { load: "moving part itself", coupling: "joint between shaft and knob", sensor: "sensor" };
+var PLACES = { load: "moving part itself", coupling: "joint between what drives and what is moved", sensor: "reading" };
 var AnyEffect = class {
   /** @param {(effect: string) => void} add @param {(effect: Effect) => void} tell what it is */
   constructor(add, tell) {
@@ -1354,7 +1354,7 @@ function about(effect, shown2) {
   );
   dialog().showModal();
   fitFormulas(byId("about-text"));
-  const alt = `${name}: what it adds to the torque of a small knob; it shows ${shows}`;
+  const alt = `${name}: what it adds to a small model's torque; it shows ${shows}`;
   const drawn = () => frame.replaceChildren(make("img", { alt, src: pictures.get(id) }));
   if (pictures.has(id)) return drawn();
   fetchPicture(id).then(
