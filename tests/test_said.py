@@ -14,8 +14,9 @@ from known import BASE, SAMPLES, Known, climbed, comparison, estimate
 import knobcam as kc
 from knobcam.base.said import Said
 from knobcam.fit import forward, refit
+from knobcam.fit.absent import absent
 from knobcam.fit.beyond import Beyond
-from knobcam.fit.diagnose import Candidate, Diagnosis, absent, p_in_words
+from knobcam.fit.diagnose import Candidate, Diagnosis, p_in_words
 from knobcam.fit.estimate import Z95
 from knobcam.fit.rule import RULE
 from knobcam.fit.stiction import Stiction, _estimate
@@ -226,11 +227,13 @@ def test_chance_is_said_in_three_figures_and_what_is_rarer_as_that():
     assert (p_in_words(9.99e-4), p_in_words(1e-3), p_in_words(0.25)) == ("< 0.001", "0.001", "0.250")
 
 
-def fitted(effects: tuple[str, ...], free: tuple[str, ...], incoherent: Any = None) -> Any:
+def fitted(effects: tuple[str, ...], free: tuple[str, ...], incoherent: Any = None, unit: str = "N m") -> Any:
     params = {name: SimpleNamespace(role="free") for name in free}
     one = SimpleNamespace(core=SimpleNamespace(incoherent=incoherent))
     return SimpleNamespace(
-        model=SimpleNamespace(effects=effects, coordinate="rotary", params=params, catalogue=kc.effects),
+        model=SimpleNamespace(
+            effects=effects, coordinate="rotary", torque_unit=unit, params=params, catalogue=kc.effects
+        ),
         prepared=(one,),
     )
 
@@ -253,6 +256,9 @@ def test_what_cannot_be_weighed_is_left_out_with_the_reason():
         if one not in BASE:
             assert absent(fitted(BASE, tuple(by.by)), ())[1][one] == by.why
             assert absent(fitted(BASE, tuple(by.by)[1:]), ())[1].get(one) != by.why
+    # What a motor is given as a voltage was not measured by anything that drifts; a current was.
+    given = [absent(fitted(BASE, (), unit=unit), ())[1].get("torque_drift") for unit in ("V", "duty", "A")]
+    assert given[0] == given[1] == catalogue["torque_drift"].given and given[2] is None
 
 
 def test_the_error_of_a_static_friction_is_that_of_its_interval():

@@ -346,6 +346,7 @@ fn row(py: Python<'_>, id: Id, axis: Axis) -> PyResult<Bound<'_, PyDict>> {
     row.set_item("base", info.base.map(Base::text))?;
     row.set_item("unsearched", info.unsearched)?;
     row.set_item("taken_up", info.taken_up.map(|one| (one.by, one.why)))?;
+    row.set_item("given", info.given)?;
     row.set_item("clips", info.clips)?;
     let param = |p: &Param| {
         let row = PyDict::new(py);

@@ -16,7 +16,7 @@ from ..base.tables import TextTable, text_table
 from ..errors import InputError
 from ..model.effects import clipping, descriptions, effects
 from ..model.effects import effect as catalogued
-from .beyond import incoherent
+from .absent import absent
 from .described import documented
 from .plausible import implausible
 from .refit import cores, describe, percent, with_clipped
@@ -356,31 +356,6 @@ def check_effects(name: str, ids: Collection[str], coordinate: str) -> tuple[str
 def p_in_words(p_value: float) -> str:
     """Return a p-value for people."""
     return "< 0.001" if p_value < 0.001 else f"{p_value:.3f}"
-
-
-def absent(fit: Fit, without: Collection[str]) -> tuple[list[str], dict[str, str]]:
-    """Return the effects that a model could be given but those of `without`, and why others could not."""
-    catalogue = fit.model.catalogue()
-    have = fit.model.effects
-    coupled = any(catalogue[one].place == "coupling" for one in have)
-    free = {name for name, parameter in fit.model.params.items() if parameter.role == "free"}
-    wrong = incoherent(fit)
-    left_out = {}
-    could = []
-    for one, row in catalogue.items():
-        if one in {*have, *without} or row.unsearched:
-            continue
-        if row.needs is not None and row.needs not in have:
-            left_out[one] = f"it changes '{row.needs}', which the model does not have"
-        elif coupled and row.place == "coupling":
-            left_out[one] = "shaft and knob are joined by another effect already"
-        elif wrong and row.place != "load":
-            left_out[one] = "errors of the recorded motion look like it"
-        elif row.taken_up is not None and free.issuperset(row.taken_up.by):
-            left_out[one] = row.taken_up.why
-        else:
-            could.append(one)
-    return could, left_out
 
 
 def _weighed(

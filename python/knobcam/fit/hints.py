@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from .. import _core
 from ..model.effects import descriptions
-from .diagnose import absent
+from .absent import absent
 from .refit import cores
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from .. import _core
-from ..fit.diagnose import absent
+from ..fit.absent import absent
 from ..fit.refit import converged, cores, gain, needless
 from ..fit.rule import RULE
 from ..fit.verdict import within_law

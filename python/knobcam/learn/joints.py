@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .. import _core
-from ..fit.diagnose import Candidate, Diagnosis, absent, diagnose
+from ..fit.absent import absent
+from ..fit.diagnose import Candidate, Diagnosis, diagnose
 from ..fit.plausible import implausible
 from ..fit.refit import converged, cores, gain
 from ..fit.rule import RULE

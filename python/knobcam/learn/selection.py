@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from ..base.said import said
 from ..capture.prepare import travel
-from ..fit.diagnose import Candidate, Diagnosis, absent, diagnose, worth_adding
+from ..fit.absent import absent
+from ..fit.diagnose import Candidate, Diagnosis, diagnose, worth_adding
 from ..fit.plausible import columns_at_fault
 from ..fit.refit import converged, drop, gain, needed, needless, with_clipped
 from ..fit.rule import RULE

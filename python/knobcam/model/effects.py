@@ -59,7 +59,7 @@ class Effect(showing.Tabled):
     typesetting. `over` is what its torque follows, a `map` a torque of position alone, what is `along` of
     position but for the sign of the motion, `base` its part in the base model ("always", "where it shows");
     `unsearched` says why no motion can show that it is missing; one that `clips` predicts what a sensor at
-    its limit reads; `taken_up` names what others do as well.
+    its limit reads; `taken_up` names what others do as well; `given` says why no voltage of a motor has it.
     """
 
     id: str
@@ -85,6 +85,7 @@ class Effect(showing.Tabled):
     unsearched: str | None
     clips: bool
     taken_up: TakenUp | None
+    given: str | None
 
     _HEAD = ("parameter", "unit", "bounds", "neutral", "meaning")
 

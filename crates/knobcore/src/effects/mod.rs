@@ -137,6 +137,8 @@ pub trait Effect<const N: usize> {
     const EVERY_RUN: bool = false;
     /// What others do as well while their parameters are free.
     const TAKEN_UP: Option<TakenUp> = None;
+    /// Why a voltage or a duty cycle that a motor is given cannot have it, if it cannot.
+    const GIVEN: Option<&'static str> = None;
     /// The waves over position that its starts need, beside what the model explains.
     const SCAN: Option<Wave> = None;
     /// Multiples of the period that it follows at which a search starts too: what the base model found may be the

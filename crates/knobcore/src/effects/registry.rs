@@ -47,6 +47,8 @@ pub struct Info {
     pub every_run: bool,
     /// See [`Effect::TAKEN_UP`].
     pub taken_up: Option<TakenUp>,
+    /// See [`Effect::GIVEN`].
+    pub given: Option<&'static str>,
     /// See [`Effect::SCAN`].
     pub scan: Option<Wave>,
     /// See [`Effect::SLOWER`].
@@ -77,6 +79,7 @@ impl Info {
             clips: E::CLIPS,
             every_run: E::EVERY_RUN,
             taken_up: E::TAKEN_UP,
+            given: E::GIVEN,
             scan: E::SCAN,
             slower: E::SLOWER,
         }
@@ -118,6 +121,7 @@ impl Info {
             clips: false,
             every_run: false,
             taken_up: None,
+            given: None,
             scan: None,
             slower: &[],
         }

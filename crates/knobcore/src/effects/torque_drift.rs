@@ -48,6 +48,7 @@ impl Effect<8> for TorqueDrift {
         latex: r"\tau + d\,t^{\,n} + e\,e^{-t/T} + \sum_{k=1}^{3} c_k \cos\frac{\pi k\,t}{L}",
     };
     const OVER: Over = Over::Time;
+    const GIVEN: Option<&'static str> = Some("a voltage that a motor is given has no zero that drifts");
     const PARAMS: [Param; 8] = [
         wave("d", "creep after a second"),
         Param::shape("n", Unit::NUMBER, [0.1, 4.0], 1.0, "power of time"),
