@@ -340,3 +340,18 @@ def test_a_log_without_an_angle_is_told_how_to_make_one_of_its_speed(tmp_path: P
         kc.load(path)
     made = kc.load(path, map="t=t, theta=cumsum(motor_speed)/500, omega=motor_speed, tau=tau")
     assert np.ptp(made.theta) == pytest.approx(np.ptp(THETA), rel=0.01)
+
+
+def test_a_column_may_be_named_without_the_unit_in_its_name(tmp_path: Path) -> None:
+    path = log(tmp_path, "time [s],a1 position [deg],a1 torque (mNm),b torque (Nm)", T, THETA, TAU, TAU)
+    whole = kc.load(path, map="t=`time [s]`, theta=`a1 position [deg]`, tau=`a1 torque (mNm)`")
+    short = kc.load(path, map=["t=time", "theta=a1 position", "tau=a1 torque"])
+    assert np.array_equal(short.theta, whole.theta) and np.array_equal(short.tau, whole.tau)
+    own = kc.load(path, map=["t=time", "theta=a1 position [rad]", "tau=a1 torque [N m]"])
+    assert np.allclose(own.theta, np.rad2deg(whole.theta)) and np.allclose(own.tau, 1e3 * whole.tau)
+
+
+def test_words_that_are_no_column_are_answered_with_those_there_are(tmp_path: Path) -> None:
+    path = log(tmp_path, "time [s],a1 position [deg],a1 torque (mNm)", T, THETA, TAU)
+    with pytest.raises(InputError, match=re.escape("no column 'trd605 torque'; the file has time [s],")):
+        kc.load(path, map=["t=time", "theta=a1 position", "tau=trd605 torque"])

@@ -1,6 +1,6 @@
 //! Compliance: an elastic shaft between rig and knob.
 
-use super::{Carrier, CouplingEffect, Effect, Id, Joint, Nonlinear, Survey, Words};
+use super::{Carrier, Context, CouplingEffect, Effect, Id, Joint, Nonlinear, Survey, Words};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -9,6 +9,9 @@ use crate::scalar::Scalar;
 /// No finite shaft is rigid. The neutral one, as stiff as it may be, leaves the torque as it is to a hundredth of
 /// its size, which the samples next to a reversal make.
 pub struct Compliance;
+
+/// Standard errors by which its stiffness is more than nothing.
+const SURE: f64 = 2.0;
 
 impl Effect<3> for Compliance {
     const ID: &'static str = "compliance";
@@ -55,6 +58,15 @@ impl Effect<3> for Compliance {
         starts
     }
 
+    /// What is joined by no spring is only dragged along, as a load is that another motor makes too late.
+    fn implausible(&[k, _, _]: &[f64; 3], context: &Context) -> Vec<String> {
+        let error = context.errors.first().map_or(0.0, |error| error.unwrap_or(f64::INFINITY));
+        if k > SURE * error {
+            return Vec::new();
+        }
+        vec!["its stiffness is not told from none: it is no elastic joint".into()]
+    }
+
     fn typical(carrier: &Carrier<'_>) -> [f64; 3] {
         // By how slowly the knob rings behind the shaft: twenty samples a period at the least, and damped
         // so that it has rung out before the next reversal.
@@ -76,11 +88,20 @@ impl CouplingEffect<3> for Compliance {
 
 #[cfg(test)]
 mod tests {
-    use crate::effects::Id;
+    use super::*;
     use crate::model::Model;
     use crate::param::Axis;
     use crate::predict;
     use crate::signals::Signals;
+
+    #[test]
+    fn a_joint_whose_stiffness_may_be_nothing_is_none() {
+        let said = |error: &[Option<f64>]| {
+            let context = Context { errors: error.to_vec(), ..Context::default() };
+            Compliance::implausible(&[0.15, 9e-3, 0.75], &context).len()
+        };
+        assert_eq!([said(&[]), said(&[Some(0.07)]), said(&[Some(0.25)]), said(&[None])], [0, 0, 1, 1]);
+    }
 
     #[test]
     fn below_resonance_the_inertia_behind_the_shaft_weighs_more_and_above_it_less() {

@@ -252,12 +252,10 @@ fn check(data: &[&Signals], model: &Model) -> Result<()> {
     let used: usize = data.iter().map(|signals| signals.used()).sum();
     let free = Layout::of(model).free.len();
     if used <= 2 * free + 10 {
-        return Err(Error::invalid(
-            "capture",
-            format!(
-                "has {used} samples that count, too few to fit {free} parameters; record longer, or mask less"
-            ),
-        ));
+        // Of what hardly moves nobody knows which way it goes, and none of it counts.
+        let rest = if used == 0 { ": where it moves at all its direction is not known" } else { "" };
+        let said = format!("has {used} samples that count, too few to fit {free} parameters{rest}");
+        return Err(Error::invalid("capture", said + "; record longer, move more, or mask less"));
     }
     Ok(())
 }

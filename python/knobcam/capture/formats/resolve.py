@@ -29,6 +29,10 @@ CONTRACT: dict[Coordinate, dict[str, str]] = {
     "linear": {"t": "t_s", "theta": "theta_m", "omega": "omega_m_s", "alpha": "alpha_m_s2", "tau": "tau_N"},
 }
 """Column names that are understood without a map, by coordinate and column of a capture."""
+_IN_BRACKETS = re.compile(r"\s*(\[[^\[\]]*\]|\([^()]*\))\s*$")
+"""The unit at the end of a column's name."""
+_WORDS = re.compile(r"[A-Za-z_][\w.]*(\s+[\w.]+)+")
+"""What is no expression, and can only have been meant as a name."""
 
 
 def contract(coordinate: Coordinate, torque_unit: str) -> dict[str, str]:
@@ -92,17 +96,31 @@ def resolve(table: Table, column_map: ColumnMap | None, coordinate: Coordinate |
     return Resolved(columns, coordinate or "rotary", entries, torque_unit, notes)
 
 
+def _without_unit(table: Table, entry: Entry) -> Entry:
+    """Return an entry by the whole name of the column that it names without its unit, if it is one."""
+    name = entry.expression.strip("`")
+    same = [column for column in table.columns if _IN_BRACKETS.sub("", column) == name]
+    if len(same) == 1:
+        return Entry(f"`{same[0]}`", entry.unit)
+    if _WORDS.fullmatch(name):
+        table.column(name)  # says which there are
+    return entry
+
+
 def _by_map(table: Table, entries: dict[str, Entry]) -> tuple[dict[str, Entry], tuple[Finding, ...]]:
     """Return the entries of a map with the units that its columns say of themselves, and a note of these.
 
     A bare column called `pos_deg` is in degrees whatever a map leaves out, and a name with a unit in brackets
-    is a name before it is an expression with a unit.
+    is a name before it is an expression with a unit. `a1 position` is `a1 position [rad]` where that is the
+    only one.
     """
     known = {}
     for target, entry in entries.items():
         whole = str(entry)
         if whole in table.columns and not (entry.plain and entry.expression in table.columns):
             entry = Entry(f"`{whole}`", None)
+        elif not entry.plain or entry.column not in table.columns:
+            entry = _without_unit(table, entry)
         unit = read_label(entry.column).unit if entry.plain and entry.unit is None else None
         known[target] = Entry(entry.expression, unit) if unit and fits(target, unit) else entry
     taken = []
