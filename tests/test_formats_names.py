@@ -355,3 +355,11 @@ def test_words_that_are_no_column_are_answered_with_those_there_are(tmp_path: Pa
     path = log(tmp_path, "time [s],a1 position [deg],a1 torque (mNm)", T, THETA, TAU)
     with pytest.raises(InputError, match=re.escape("no column 'trd605 torque'; the file has time [s],")):
         kc.load(path, map=["t=time", "theta=a1 position", "tau=trd605 torque"])
+
+
+@pytest.mark.parametrize(
+    ("name", "quantity"),
+    [("torques.c1", "tau"), ("torAct", "tau"), ("positions.c0", "theta"), ("velocities.c0", "omega")],
+)
+def test_many_of_a_quantity_and_short_words_for_it_are_understood(name: str, quantity: str) -> None:
+    assert read_label(name).quantity == quantity

@@ -62,6 +62,9 @@ impl Chance {
                 // Of the row that lies so many before it: none outside its segment.
                 let first = (within.start + late).saturating_sub(before).clamp(rows.start, rows.end);
                 let end = (within.end + late).saturating_sub(before).clamp(first, rows.end);
+                if first == end {
+                    continue;
+                }
                 let sums = &mut all[from + first - rows.start..from + end - rows.start];
                 let terms = &column[first + before - late..end + before - late];
                 sums.iter_mut().zip(terms).for_each(|(sum, x)| *sum += self.scale * tap * x);
@@ -106,6 +109,16 @@ mod tests {
     use crate::algebra::dot;
     use crate::filter::{ZeroPhase, cheby2};
     use crate::random;
+
+    #[test]
+    fn what_lasts_longer_than_a_segment_reaches_no_further_than_that() {
+        let short = Stretch { capture: 0, rows: 4..6, within: 0..40 };
+        let chance = Chance { stretches: vec![short], impulses: vec![vec![1.0; 61]], scale: 1.0 };
+        // Sixty taps about each row, of which the segment has those that lie within it.
+        let column: Vec<f64> = (0..40).map(f64::from).collect();
+        let sum = |row: usize| column[row.saturating_sub(30)..(row + 31).min(40)].iter().sum::<f64>();
+        assert_eq!(chance.met_by(&column), [sum(4), sum(5)]);
+    }
 
     #[test]
     fn stretches_are_spread_over_a_segment() {

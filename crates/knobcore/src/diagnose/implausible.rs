@@ -54,7 +54,7 @@ fn context(data: &[&Signals], fit: &Fit, id: Id, clipped: bool, first: bool) -> 
     let column = |of: fn(&Signals) -> &[f64]| -> Vec<f64> {
         let rows = |signals: &&Signals| -> Vec<f64> {
             let rows: Vec<usize> = counted(&signals);
-            rows.into_iter().map(|at| of(signals)[at]).collect()
+            rows.into_iter().filter_map(|at| of(signals).get(at).copied()).collect()
         };
         data.iter().flat_map(rows).collect()
     };
@@ -64,6 +64,7 @@ fn context(data: &[&Signals], fit: &Fit, id: Id, clipped: bool, first: bool) -> 
             .map(error)
             .collect(),
         t: column(|signals| &signals.t),
+        torque: column(|signals| &signals.tau_raw),
         theta: column(|signals| &signals.theta),
         turning,
         rate_hz: data.first().map_or(1.0, |signals| signals.rate_hz),

@@ -13,6 +13,8 @@ pub struct Context {
     pub errors: Vec<Option<f64>>,
     /// Times of the samples that count, s.
     pub t: Vec<f64>,
+    /// Torques that were read at them, N m.
+    pub torque: Vec<f64>,
     /// Positions of the samples that count, rad.
     pub theta: Vec<f64>,
     /// Root mean square of the acceleration where the motion reverses, rad/s^2; 0 where it never does.

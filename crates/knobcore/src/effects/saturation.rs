@@ -9,6 +9,12 @@ use crate::scalar::Scalar;
 /// so that near its limit it reads less than the torque.
 pub struct Saturation;
 
+/// Times its limit, and standard deviations of the noise on top, that a reading may be,
+const BEYOND: f64 = 1.1;
+const SURE: f64 = 3.0;
+/// but for this share of them, which may be spikes.
+const OFTEN: f64 = 0.01;
+
 /// Standard deviations of a normal distribution in the scale of the logistic one that is next to it (Camilli 1994).
 const LOGISTIC: f64 = 1.702;
 /// Scale of a noise that is none.
@@ -58,8 +64,14 @@ impl Effect<2> for Saturation {
         limits.into_iter().map(|limit| [limit, 0.02 * limit]).collect()
     }
 
-    /// Beside another effect a limit can hide that one's misfit; readings that repeat at it are the proof.
-    fn implausible(_: &[f64; 2], context: &Context) -> Vec<String> {
+    /// No sensor reads beyond its limit. Beside another effect a limit can hide that one's misfit; readings that repeat at it
+    /// are the proof.
+    fn implausible(&[limit, _]: &[f64; 2], context: &Context) -> Vec<String> {
+        let most = BEYOND * limit + SURE * context.noise_floor.max(0.0);
+        let beyond = context.torque.iter().filter(|torque| torque.abs() > most).count();
+        if beyond as f64 > OFTEN * context.torque.len() as f64 {
+            return vec!["readings go far beyond it: it is no limit of theirs".into()];
+        }
         if context.first || context.clipped {
             return Vec::new();
         }
@@ -96,6 +108,16 @@ mod tests {
 
     fn read(tau: f64, noise: f64) -> f64 {
         Saturation::sense(&[0.18, noise], &Motion::exact(0.0, 0.0, 1.0, 0.0), tau)
+    }
+
+    #[test]
+    fn a_limit_that_readings_pass_is_none() {
+        let said = |beyond: usize| {
+            let torque = (0..1000).map(|i| if i < beyond { -0.3 } else { 0.17 }).collect();
+            let context = Context { torque, first: true, noise_floor: f64::NAN, ..Context::default() };
+            Saturation::implausible(&[0.18, 0.0], &context).len()
+        };
+        assert_eq!([said(0), said(9), said(11)], [0, 0, 1]);
     }
 
     #[test]

@@ -252,10 +252,14 @@ fn check(data: &[&Signals], model: &Model) -> Result<()> {
     let used: usize = data.iter().map(|signals| signals.used()).sum();
     let free = Layout::of(model).free.len();
     if used <= 2 * free + 10 {
-        // Of what hardly moves nobody knows which way it goes, and none of it counts.
-        let rest = if used == 0 { ": where it moves at all its direction is not known" } else { "" };
-        let said = format!("has {used} samples that count, too few to fit {free} parameters{rest}");
-        return Err(Error::invalid("capture", said + "; record longer, move more, or mask less"));
+        let said = format!("has {used} samples that count, too few to fit {free} parameters");
+        // Nobody knows which way what hardly moves is going, nor what moves faster than its readings show.
+        let unknown = ": its direction is not known anywhere, as it moves too little, or too fast for its readings; \
+                       move more or log faster, map a velocity (omega), or prepare it with --prepare paper";
+        return Err(Error::invalid(
+            "capture",
+            said + if used == 0 { unknown } else { "; record longer, or mask less" },
+        ));
     }
     Ok(())
 }

@@ -101,6 +101,7 @@ fn what_is_implausible_of_any_values() {
                     .iter()
                     .map(|size| (chance.uniform() < 0.8).then(|| about(&mut chance, 0.05 * size.abs())))
                     .collect(),
+                torque: vec![if round % 8 < 4 { 1e-9 } else { 1e3 }; 9],
                 theta,
                 turning: about(&mut chance, 30.0),
                 rate_hz: one_of(&mut chance, &[200.0, 1000.0, 5000.0]),

@@ -8,6 +8,7 @@ fn context() -> Context {
     Context {
         errors: vec![None; 16],
         t: Vec::new(),
+        torque: Vec::new(),
         theta: (0..=200).map(|i| f64::from(i) * 0.01 - 1.0).collect(),
         turning: 100.0,
         rate_hz: RATE_HZ,
@@ -100,7 +101,7 @@ fn a_gap_that_noise_could_be_is_compliance() {
 
 #[test]
 fn a_limit_beside_another_effect_is_proved_by_readings_that_repeat() {
-    let limit = |clipped, first| said(Id::Saturation, &[0.18], &Context { clipped, first, ..context() });
+    let limit = |clipped, first| said(Id::Saturation, &[0.18, 0.0], &Context { clipped, first, ..context() });
     assert_eq!((limit(false, true), limit(true, false)), (String::new(), String::new()));
     assert_eq!(limit(false, false), "no reading repeats at such a limit");
 }

@@ -14,11 +14,11 @@ _HEADS: dict[tuple[str, ...], str] = {
     (word,): quantity
     for quantity, words in {
         "t": "t time timestamp stamp elapsed",
-        "theta": "theta angle position pos q phi rotation displacement",
-        "omega": "omega velocity vel speed dq qd qdot thetadot",
-        "alpha": "alpha acceleration accel acc ddq qdd qddot thetaddot",
-        "tau": "tau torque trq effort force",
-        "current": "current iq amps",
+        "theta": "theta angle angles position positions pos q phi rotation displacement",
+        "omega": "omega velocity velocities vel speed speeds dq qd qdot thetadot",
+        "alpha": "alpha acceleration accelerations accel acc ddq qdd qddot thetaddot",
+        "tau": "tau torque torques trq tor effort efforts force forces",
+        "current": "current currents iq amps",
         "voltage": "voltage uq vq volts",
         "duty": "duty pwm",
     }.items()
