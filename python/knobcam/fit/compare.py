@@ -14,6 +14,7 @@ from ..base.said import OfAxis, Said, Stretch, Topic, joined, number, said
 from ..base.tables import TextTable, text_table
 from . import origin
 from .described import names
+from .digits import left_out_Nm
 from .rule import RULE
 from .runs import in_words
 from .unheard import unheard
@@ -145,11 +146,13 @@ class Comparison(showing.Tabled):
     @cached_property
     def judged(self) -> tuple[float, float, float, float, list[float]]:
         """What the core judges the fit by: error, noise floor, what the noise leaves in variances of the raw
-        noise, RMS torque, and the part of the squared error along each axis that fails.
+        noise, the torque beside which an error is rounding, and the part of the squared error along each axis
+        that fails.
         """
         fit = self.fit
         beyond = [split.part for split in self.splits if split.fails]
-        return fit.rmse, fit.noise_floor, fit.white_squares, self.torque_rms, beyond
+        torque = max(self.torque_rms, left_out_Nm(fit, self.torque_rms) / RULE.rounding)
+        return fit.rmse, fit.noise_floor, fit.white_squares, torque, beyond
 
     @property
     def exact(self) -> bool:
