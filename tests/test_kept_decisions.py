@@ -73,6 +73,13 @@ def fitted(
         excess=max(rmse**2 - noise**2, 0.0) if noise > 0.0 else rmse**2,
         torque_unit="N m",
         core=SimpleNamespace(free=free),
+        # A torque of many digits.
+        prepared=[
+            SimpleNamespace(
+                core=SimpleNamespace(used=1500),
+                capture=SimpleNamespace(tau=np.array([0.0, 1e-15]), mask=slice(None)),
+            )
+        ],
         params={name: estimate(rng, unit="rad" if name.endswith("S") else "N m") for name in names},
         before=before,
     )
