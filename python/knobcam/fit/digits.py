@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .doubts import white_variance
+
 if TYPE_CHECKING:
     from ..base.arrays import FloatArray
     from .fitting import Fit
@@ -24,8 +26,7 @@ def left_out_Nm(fit: Fit, torque_rms: float) -> float:
     if not 0.0 < fit.rmse < _SMALL * torque_rms or not fit.white_squares > 0.0:
         return 0.0
     rounding = min(_step(one.capture.tau[one.capture.mask]) for one in fit.prepared) / math.sqrt(12.0)
-    used = sum(one.core.used for one in fit.prepared)
-    noise = fit.noise_floor * math.sqrt(used / fit.white_squares)
+    noise = math.sqrt(white_variance(fit, fit.noise_floor))
     return rounding if noise <= _ALONE * rounding else 0.0
 
 

@@ -131,3 +131,9 @@ def _moves_like_a_spring(signals: Prepared) -> bool:
     theta, alpha = signals.theta[signals.used], signals.alpha[signals.used]
     spread = float(np.std(theta) * np.std(alpha))
     return spread > 0.0 and float(np.mean((theta - theta.mean()) * (alpha - alpha.mean()))) < -0.98 * spread
+
+
+def white_variance(fit: Fit, floor: float) -> float:
+    """Return the variance of white noise of the raw torque that leaves so much of it, (N m)^2."""
+    used = sum(one.core.used for one in fit.prepared)
+    return floor**2 * used / fit.white_squares if fit.white_squares > 0.0 else floor**2

@@ -116,9 +116,10 @@ def _doubts(candidates: Sequence[Candidate]) -> list[float]:
     paid = [one for one in candidates if one.score > 0.0 and not one.implausible]
     same = twins(paid, max(paid, key=lambda one: one.score, default=None))
     could = [one for one in paid if not at_floor(one.fit)]
-    squares = {one.effect: np.square(one.fit.residual) for one in could}
     best = max(could, key=lambda one: one.score, default=None)
-    known = np.isfinite(squares[best.effect]) if best else np.empty(0)
+    # Of a single one there is nothing to ask, and its residual costs a prediction.
+    squares = {one.effect: np.square(one.fit.residual) for one in could} if len(could) > 1 else {}
+    known = np.isfinite(squares[best.effect]) if best and squares else np.empty(0)
 
     def doubt(one: Candidate) -> float:
         if one.effect in same:

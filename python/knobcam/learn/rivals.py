@@ -17,7 +17,7 @@ from ..fit.one_way import twins
 from ..fit.rule import RULE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Sequence
 
     from ..fit import Estimate
     from ..fit.diagnose import Candidate, Diagnosis
@@ -34,10 +34,11 @@ def weights(diagnosis: Diagnosis | None, added: str | None) -> dict[str, float]:
 
 def with_choice(params: Mapping[str, Estimate], ladder: Iterable[LearningStep]) -> dict[str, Estimate]:
     """Return parameters with intervals that carry the spread over the rivals on the way to them."""
-    steps = list(ladder)
+    steps = [(step.added, _weighed(step.diagnosis, step.added)) for step in ladder]
     wider = {}
     for name, estimate in params.items():
-        more = sum(_spread(step, name) for step in steps) if estimate.determined and estimate.se else 0.0
+        told = estimate.determined and estimate.se
+        more = sum(_spread(added, rivals, name) for added, rivals in steps) if told else 0.0
         wider[name] = estimate.widened(more) if more else estimate
     return wider
 
@@ -62,10 +63,9 @@ def _weighed(diagnosis: Diagnosis | None, added: str | None) -> list[tuple[Candi
     return sorted((pair for pair in both if pair[1] >= RULE.least_weight), key=lambda pair: -pair[1])
 
 
-def _spread(step: LearningStep, name: str) -> float:
+def _spread(added: str | None, rivals: Sequence[tuple[Candidate, float]], name: str) -> float:
     """Variance of a parameter over the rivals of what a step added, about its value with that."""
-    rivals = _weighed(step.diagnosis, step.added)
-    chosen = next((one for one, _ in rivals if one.effect == step.added), None)
+    chosen = next((one for one, _ in rivals if one.effect == added), None)
     here = chosen.fit.params.get(name) if chosen else None
     if here is None or not here.determined:
         return 0.0

@@ -17,6 +17,7 @@ import numpy as np
 
 from .. import _core
 from ..base.said import OfEffect, Said, joined
+from ..fit.doubts import white_variance
 from ..model import Model
 from ..model.effects import effects as catalogue
 from ..model.simulate import exact
@@ -80,11 +81,7 @@ class Telling:
     def white(self) -> float:
         """Variance of white noise of the raw torque, (N m)^2, as the best of the rivals leaves it."""
         best = min((rival.fit for rival in self.rivals), key=lambda fit: fit.rmse)
-        used = sum(one.core.used for one in best.prepared)
-        floor = best.noise_floor
-        if not floor > 0.0:
-            floor = best.rmse
-        return floor**2 * used / best.white_squares if best.white_squares > 0.0 else floor**2
+        return white_variance(best, best.noise_floor if best.noise_floor > 0.0 else best.rmse)
 
     @cached_property
     def edge_hz(self) -> float | None:

@@ -44,6 +44,7 @@ _SLIDES = {
 }
 """Longer phrases go before the words in them."""
 _WORDED = ("title", "name", "about", "shows", "causes", "remedies", "meaning")
+_IN_LOWER_CASE = {phrase.lower(): other for phrase, other in _SLIDES.items()}
 _PHRASE = re.compile("|".join(map(re.escape, _SLIDES)), re.IGNORECASE)
 
 
@@ -61,5 +62,5 @@ def _in_words(words: str | list[str]) -> str | list[str]:
 
 def _instead(match: re.Match[str]) -> str:
     found = match.group()
-    known = {phrase.lower(): other for phrase, other in _SLIDES.items()}[found.lower()]
+    known = _IN_LOWER_CASE[found.lower()]
     return known[:1].upper() + known[1:] if found[0].isupper() else known

@@ -12,9 +12,6 @@ use crate::scalar::Scalar;
 /// to a fiftieth of its size, which the samples next to a reversal make.
 pub struct Backlash;
 
-/// Standard errors by which a gap must differ from nothing.
-const SURE: f64 = 2.0;
-
 impl Effect<4> for Backlash {
     const ID: &'static str = "backlash";
     const LAW: &'static str =
@@ -74,8 +71,7 @@ impl Effect<4> for Backlash {
     /// Backlash without play is compliance.
     fn implausible(&[gap, k, _, _]: &[f64; 4], context: &Context) -> Vec<String> {
         // What the spring winds up by under the torque of the noise is no play.
-        let unsure = context.errors.first().copied().flatten().map_or(0.0, |error| SURE * error);
-        if gap > unsure.max(context.noise_floor / k) {
+        if gap > context.unsure(0).max(context.noise_floor / k) {
             return Vec::new();
         }
         vec!["its gap is nothing: it is compliance".into()]

@@ -10,9 +10,6 @@ use crate::scalar::Scalar;
 /// its size, which the samples next to a reversal make.
 pub struct Compliance;
 
-/// Standard errors by which its stiffness is more than nothing.
-const SURE: f64 = 2.0;
-
 impl Effect<3> for Compliance {
     const ID: &'static str = "compliance";
     const LAW: &'static str =
@@ -60,7 +57,7 @@ impl Effect<3> for Compliance {
 
     /// What is joined by no spring is only dragged along, as a load is that another motor makes too late.
     fn implausible(&[k, _, _]: &[f64; 3], context: &Context) -> Vec<String> {
-        if k > context.errors.first().copied().flatten().map_or(0.0, |error| SURE * error) {
+        if k > context.unsure(0) {
             return Vec::new();
         }
         vec!["its stiffness is not told from none: it is no elastic joint".into()]

@@ -5,6 +5,8 @@ use std::f64::consts::TAU;
 /// Waves within the motion by which a series that is bound to another may seem not to be; standard errors on top.
 const BOUND: f64 = 0.02;
 const SURE: f64 = 3.0;
+/// Standard errors that a value has to be more than, to be more than nothing.
+const UNSURE: f64 = 2.0;
 
 /// Surroundings of fitted values; SI.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -38,6 +40,11 @@ pub struct Context {
 }
 
 impl Context {
+    /// What the effect's parameter at this place has to be more than, to be more than nothing; 0 where its error is unknown.
+    pub fn unsure(&self, at: usize) -> f64 {
+        self.errors.get(at).copied().flatten().map_or(0.0, |error| UNSURE * error)
+    }
+
     /// Waves of the detents in 2 pi rad, and their standard error.
     pub fn detents(&self) -> Option<[f64; 2]> {
         self.period.map(|period| rate(period, self.period_error))
