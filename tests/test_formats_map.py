@@ -168,7 +168,8 @@ def test_units_become_si_and_tell_the_axis(target: str, unit: str, factor: float
 @pytest.mark.parametrize(
     ("target", "unit", "message"),
     [
-        ("tau", "kg", "wrong dimension; expected for example .*mNm"),
+        ("tau", "K", "wrong dimension; expected for example .*mNm"),
+        ("tau", "kg", "write lbf for lb and kgf for kg"),
         ("theta", "s", "wrong dimension"),
         ("theta", "percent", "wrong dimension"),
         ("omega", "Hz", "wrong dimension"),

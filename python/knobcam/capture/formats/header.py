@@ -56,10 +56,13 @@ _ASKED_FOR = _words_of(
 _ANGLES_ALONE = _words_of("angle phi rotation")
 _UNIT_OF = {
     "t": ("s", "ms", "us", "ns", "min"),
-    "theta": ("rad", "mrad", "deg", "turn", "m", "cm", "mm", "um", COUNTS),
-    "omega": ("rad/s", "deg/s", "turn/s", "rpm", "m/s", "cm/s", "mm/s"),
-    "alpha": ("rad/s^2", "deg/s^2", "turn/s^2", "m/s^2", "mm/s^2"),
-    "tau": ("N m", "mN m", "uN m", "N cm", "kN m", "N", "mN", "kN"),
+    "theta": ("rad", "mrad", "deg", "turn", "m", "cm", "mm", "um", "inch", "ft", COUNTS),
+    "omega": ("rad/s", "deg/s", "turn/s", "rpm", "m/s", "cm/s", "mm/s", "inch/s", "ft/s"),
+    "alpha": ("rad/s^2", "deg/s^2", "turn/s^2", "m/s^2", "mm/s^2", "inch/s^2", "ft/s^2"),
+    "tau": (
+        *("N m", "mN m", "uN m", "N cm", "kN m", "lbf inch", "lbf ft", "ozf inch", "ozf ft"),
+        *("N", "mN", "kN", "lbf", "ozf", "kip"),
+    ),
     "current": ("A", "mA"),
     "voltage": ("V", "mV"),
 }
@@ -118,7 +121,7 @@ def _labelled(words: list[str], unit: str | None) -> Label:
     if quantity is None:
         return Label(None if unit is None else _QUANTITY.get(unit), unit)
     fits = unit is None or _QUANTITY.get(unit) == quantity
-    if unit in ("m", "cm", "mm", "um"):
+    if unit in ("m", "cm", "mm", "um", "inch", "ft"):
         fits = fits and not _ANGLES_ALONE & set(lower)
     plain = fits and all(word in _MEASURED or word in _ASKED_FOR for word in rest)
     if unit is not None and not fits:
@@ -139,8 +142,11 @@ def _numbered(words: list[str]) -> tuple[list[str], str | None]:
 def _bracketed(name: str) -> tuple[str, str | None]:
     """Split `Iq [A]`, `Velocity (rpm)` and `Time / s`; brackets around no unit are words like others."""
     for pattern in (r"(.+?)\s*[\[({<]([^\[\](){}<>]*)[\])}>]\s*", r"(.+\S)\s*/\s*([^/\s][^\s]*)\s*"):
-        if (found := re.fullmatch(pattern, name)) and (unit := spelled_out(found[2])):
-            return found[1], unit
+        if not (found := re.fullmatch(pattern, name)):
+            continue
+        words = [word.lower() for word in words_of(found[1])]
+        if unit := "inch" if found[2] == "in" and _head(words)[0] == "theta" else spelled_out(found[2]):
+            return found[1], unit  # a torque (in) is what comes in
     return name, None
 
 

@@ -16,7 +16,7 @@ from .expression import evaluate
 from .header import read_label
 from .recognise import PLACEHOLDER, ask, by_content, recognise
 from .table import Table
-from .units import GIVEN, SI, Coordinate, fits, to_si
+from .units import GIVEN, SI, Coordinate, fits, is_unit, to_si
 
 CONTRACT: dict[Coordinate, dict[str, str]] = {
     "rotary": {
@@ -29,7 +29,7 @@ CONTRACT: dict[Coordinate, dict[str, str]] = {
     "linear": {"t": "t_s", "theta": "theta_m", "omega": "omega_m_s", "alpha": "alpha_m_s2", "tau": "tau_N"},
 }
 """Column names that are understood without a map, by coordinate and column of a capture."""
-_IN_BRACKETS = re.compile(r"\s*(\[[^\[\]]*\]|\([^()]*\))\s*$")
+_IN_BRACKETS = re.compile(r"\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))\s*$")
 """The unit at the end of a column's name."""
 _WORDS = re.compile(r"[A-Za-z_][\w.]*(\s+[\w.]+)+")
 """What is no expression, and can only have been meant as a name."""
@@ -121,20 +121,35 @@ def _by_map(table: Table, entries: dict[str, Entry]) -> tuple[dict[str, Entry], 
             entry = Entry(f"`{whole}`", None)
         elif not entry.plain or entry.column not in table.columns:
             entry = _without_unit(table, entry)
-        unit = read_label(entry.column).unit if entry.plain and entry.unit is None else None
+        unit = _unit_of(entry.column) if entry.plain and entry.unit is None else None
         known[target] = Entry(entry.expression, unit) if unit and fits(target, unit) else entry
-    taken = []
+    taken, foreign = [], []
     for target, entry in known.items():
+        if entry.unit is None and entry.plain and is_unit(_unit_of(entry.column) or ""):
+            foreign.append((target, entry.column))
         if entry.unit is None or entries[target].unit is not None:
             continue
         factor, _, unit = to_si(target, entry.unit)
         if factor != 1.0 or unit in GIVEN:  # that a number is in SI is taken without a word
             taken.append(f"{target} = {entry.column} [{entry.unit}]")
-    if not taken:
-        return known, ()
-    found = said("columns: {taken}, as their names say", taken=", ".join(taken))
-    advice = Advice("a unit in the map says otherwise", "columns")
-    return known, (Finding("columns", "theta", len(taken), (), found, "note", advice),)
+    notes = []
+    if taken:
+        found = said("columns: {taken}, as their names say", taken=", ".join(taken))
+        advice = Advice("a unit in the map says otherwise", "columns")
+        notes.append(Finding("columns", "theta", len(taken), (), found, "note", advice))
+    for target, column in foreign:
+        found = said(
+            "{target}: taken in SI, though {column} names another unit", target=target, column=column
+        )
+        advice = Advice("say its unit in the map", "columns")
+        notes.append(Finding("header", target, 1, (), found, "warning", advice))
+    return known, tuple(notes)
+
+
+def _unit_of(column: str) -> str | None:
+    """Return the unit that a name says: one that headers have, or whatever stands in brackets behind it."""
+    behind = _IN_BRACKETS.search(column)
+    return read_label(column).unit or (behind and (behind[1] or behind[2])) or None
 
 
 def _by_contract(table: Table, coordinate: Coordinate | None) -> tuple[dict[str, Entry], Coordinate] | None:

@@ -72,14 +72,43 @@ _SPELLINGS = {
     for spelling in spellings.split()
 }
 
+_US = {
+    "inch": "inch inches",
+    "inch/s": "in/s in_per_s inch/s inches/s",
+    "inch/s^2": "in/s^2 in/s2 in/s² inch/s^2 inches/s^2",
+    "ft": "ft feet",
+    "ft/s": "ft/s ft_per_s feet/s",
+    "ft/s^2": "ft/s^2 ft/s2 ft/s²",
+    "lbf": "lbf",
+    "ozf": "ozf",
+    "kip": "kip kips",
+} | {
+    f"{force}f {length}": " ".join(
+        f"{one}{sign}{other}"
+        for weight in (force, f"{force}f")
+        for one, other in ((weight, short), (short, weight))
+        for sign in ("_", "*", "·", ".", "-")
+    )
+    for force in ("lb", "oz")
+    for length, short in (("inch", "in"), ("ft", "ft"))
+}
+"""What headers in US units say; the pound of a torque is one of force, however it is written."""
+
+_IMPERIAL = {spelling: unit for unit, spellings in _US.items() for spelling in spellings.split()}
+_SPELLINGS |= _IMPERIAL
+
 _NOT_UNITS = re.compile(r"\b(counts?|ticks?|steps?|lsb|pulses?)\b", re.IGNORECASE)
 _TORQUE_SPELLING = re.compile(r"\b([numkM]?N)[ .*-]?([cm]?m)\b")
 
 
 def spelled_out(text: str) -> str | None:
     """Return the unit that a header spells as `text`, as a map would have it; None where it is none."""
+    return _SPELLINGS.get(_squeezed(text))
+
+
+def _squeezed(text: str) -> str:
     squeezed = re.sub(r"\s*([*·./^-])\s*|\s+", lambda found: found[1] or "_", text.strip()).lower()
-    return _SPELLINGS.get(squeezed.replace("⋅", "·"))
+    return squeezed.replace("⋅", "·")
 
 
 def torque_unit_of(unit: str, coordinate: Coordinate) -> str:
@@ -112,6 +141,14 @@ def fits(target: str, unit: str) -> bool:
     return True
 
 
+def is_unit(text: str) -> bool:
+    """Whether a text is a unit of anything at all: counts are, a word like `raw` is none."""
+    try:
+        return bool(spelled_out(text)) or not _quantity(text).dimensionless
+    except Exception:  # the parser raises a dozen types, tokenizer errors among them
+        return False
+
+
 def to_si(target: str, unit: str) -> ToSI:
     """Return what makes numbers in `unit` those of column `target` in SI.
 
@@ -119,7 +156,7 @@ def to_si(target: str, unit: str) -> ToSI:
     wrong dimension. An angle needs an angle in its unit: a bare 1/s would leave a factor of 2 pi to be
     guessed.
     """
-    spelling = " ".join(unit.split())
+    spelling = _IMPERIAL.get(_squeezed(unit), " ".join(unit.split()))
     wanted: list[tuple[str, Coordinate | None]]
     wanted = [(units[target], None if target == "t" else axis) for axis, units in SI.items()]
     if target == "tau":
@@ -134,20 +171,31 @@ def to_si(target: str, unit: str) -> ToSI:
             f"map: {target} in [{spelling}]: a count is not a unit; divide by the counts per turn, "
             f"as in theta=pos/8192 [turn]"
         )
-    registry = _registry()
     try:
-        quantity = registry.Quantity(1.0, registry.parse_units(_respell(spelling))).to_root_units()
+        quantity = _quantity(spelling)
     except Exception as error:  # the parser raises a dozen types, tokenizer errors among them
         raise InputError(
             f"map: {target} in [{spelling}]: unknown unit; write for example {_examples(target)}"
         ) from error
+    registry = _registry()
     for si, coordinate in wanted:
         reference = registry.Quantity(1.0, si).to_root_units()
         if quantity.units == reference.units:
             return ToSI(float(quantity.magnitude / reference.magnitude), coordinate, si)
+    meant = registry.Quantity(1.0, "standard_gravity").to_root_units() * quantity
+    if any(meant.is_compatible_with(si) for si, _ in wanted):
+        raise InputError(
+            f"map: {target} in [{spelling}] is of a mass, not of its weight; write lbf for lb and kgf for "
+            f"kg, as in [kgf] or [kgf cm]"
+        )
     raise InputError(
         f"map: {target} in [{spelling}] has the wrong dimension; expected for example {_examples(target)}"
     )
+
+
+def _quantity(unit: str) -> Any:
+    registry = _registry()
+    return registry.Quantity(1.0, registry.parse_units(_respell(unit))).to_root_units()
 
 
 @cache
