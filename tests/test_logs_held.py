@@ -248,6 +248,47 @@ def test_a_machine_asked_at_other_times_than_it_reads_has_lost_no_rows() -> None
     log = capture({name: at if name == "t_s" else at[read] for name, at in columns.items()})
     assert not [one for one in log.findings if one.kind == "lost"]
     assert log.t[-1] == columns["t_s"][-1]
+    (asked_for,) = [one for one in log.findings if one.kind == "asked"]
+    twice = (
+        np.flatnonzero(read[1:] < np.arange(1, length)) + 1
+    )  # a reading too late, and not as the one before
+    twice = twice[read[twice] != read[twice - 1]]
+    assert set(asked_for.rows) <= set(twice + 1)
+
+
+@pytest.mark.parametrize("derived", [False, True])
+def test_readings_that_a_clock_runs_ahead_of_and_behind_are_taken_at_their_own_times(derived: bool) -> None:
+    """An arm over UDP: a row without a reading here, two readings in one there, by one clock or the other."""
+    columns = {name: values.copy() for name, values in knob().capture.items()}
+    rng = np.random.default_rng(SEED)
+    length = len(columns["t_s"]) - 100
+    slips = np.cumsum(rng.integers(40, 120, 400))
+    ahead = np.zeros(length, dtype=int)
+    for at in slips[slips < length - 200]:
+        ahead[at:] += rng.choice([-1, 1])
+    read = (np.arange(length) + ahead).clip(0)
+    kept = ("t_s", "theta_rad", "tau_Nm") if derived else tuple(columns)
+    log = capture({name: columns[name][slice(length) if name == "t_s" else read] for name in kept})
+    (asked,) = [one for one in log.findings if one.kind == "asked"]
+    assert asked.severity == "mended"
+    fit = kc.fit(log)
+    assert fit.prepared[0].core.used > 0.95 * length
+    assert fit.noise_floor == pytest.approx(knob().noise_floor, rel=0.05)
+    assert fit.params["inertia.M"].value == pytest.approx(knob().knob["inertia.M"], rel=0.01)
+
+
+def test_of_a_log_that_lost_rows_here_and_there_nearly_all_others_count() -> None:
+    """Each such row cost what the torque's filter needs to settle, on both sides."""
+    rng = np.random.default_rng(SEED)
+    stays = np.ones(len(knob().capture["t_s"]), dtype=bool)
+    stays[rng.choice(np.arange(10, len(stays) - 10), 600, replace=False)] = False
+    log = capture({name: values[stays] for name, values in knob().capture.items()})
+    fit = kc.fit(log)
+    used = fit.prepared[0].core.used
+    assert used > 0.97 * stays.sum()
+    assert fit.noise_floor == pytest.approx(knob().noise_floor, rel=0.03)
+    assert fit.params["inertia.M"].value == pytest.approx(knob().knob["inertia.M"], rel=0.005)
+    assert len(fit.residual) == stays.sum() and np.isfinite(fit.residual).sum() == used
 
 
 def test_a_torque_that_changes_fast_while_the_knob_sticks_was_measured() -> None:

@@ -35,6 +35,8 @@ _OPTIONS = {
 }
 _READ = ("theta", "omega", "alpha", "tau")
 _BRIDGE = 3  # rows
+_EVEN = 0.1  # of a sampling interval, within which steps of the clock are whole numbers of them
+_MOSTLY = 0.9  # of the steps, that are one interval where a clock is even
 _NAMED = 6  # times in a sentence
 _PAPER_RATE_HZ = 5000.0
 
@@ -44,8 +46,9 @@ class Prepared:
     """Prepared signals of a capture; arrays of shape (samples kept,), SI units.
 
     `rows` are the indices of the kept samples in the capture: masked ones are left out, and so are those in
-    which a torque that is read more slowly than the motion only repeats a reading. `used` is True where a
-    sample counts in a fit (not trimmed, not decimated away).
+    which a torque that is read more slowly than the motion only repeats a reading. Where a few samples were
+    lost a line stands for them, with the index of the one before. `used` is True where a sample counts in a
+    fit (not trimmed, not decimated away, and measured).
     """
 
     capture: Capture
@@ -109,7 +112,7 @@ class Prepared:
     def on_capture(self, values: FloatArray) -> FloatArray:
         """Spread values of the kept samples over all samples of the capture; NaN at masked ones."""
         out = np.full(self.capture.samples, np.nan)
-        out[self.rows] = values
+        out[self.rows[::-1]] = values[::-1]  # of a sample and of what was lost behind it the sample's is kept
         return out
 
     def plot(self) -> Figure:
@@ -146,10 +149,14 @@ def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepa
     rows = np.arange(capture.samples) if whole else np.flatnonzero(capture.mask | _bridges(capture))
     measured = capture.mask if whole else capture.mask[rows]
     kept = {name: values if whole else values[rows] for name, values in capture.columns.items()}
+    lost = _lost(capture, rows, kept["t"])
+    if lost.size:
+        rows, measured = np.insert(rows, lost, rows[lost - 1]), np.insert(measured, lost, False)
+        kept = {name: np.insert(values, lost, 0.0) for name, values in kept.items()}
     # A reading that stands until the next one is none anew.
     looked = [name for name in _READ if method == "smooth" and name in kept]
     stands = {name: held(kept[name]) for name in looked if not capture.overrules("held", name)}
-    if not (whole or measured.all()):
+    if not measured.all():
         known = np.flatnonzero(measured)
         lacking = np.flatnonzero(~measured)
         for name, values in kept.items():
@@ -221,12 +228,29 @@ def _bridges(capture: Capture) -> BoolArray:
     return bridges
 
 
+def _lost(
+    capture: Capture, rows: np.ndarray[Any, np.dtype[np.intp]], t: FloatArray
+) -> np.ndarray[Any, np.dtype[np.intp]]:
+    """Return before which of the kept samples, of times `t`, a few were lost, as often as so many were.
+
+    Only of an even clock that is known: there they are where it lets expect them. As masked ones they go
+    through the filters as a straight line.
+    """
+    steps = np.diff(t) * capture.rate_hz
+    if np.max(steps, initial=0.0) < 1.5 or np.mean(np.abs(steps - 1.0) < _EVEN) < _MOSTLY:
+        return np.zeros(0, dtype=np.intp)
+    whole = np.rint(steps).astype(np.intp)
+    beyond = np.cumsum(capture.at_limit)[rows]
+    few = (whole > 1) & (whole <= _BRIDGE + 1) & (np.abs(steps - whole) < _EVEN) & (np.diff(beyond) == 0)
+    return np.repeat(np.flatnonzero(few) + 1, whole[few] - 1)
+
+
 def _gaps(capture: Capture, rows: np.ndarray[Any, np.dtype[np.intp]], t: FloatArray) -> BoolArray:
     """Return where samples are missing or masked just before a kept one, of times `t`."""
     gap = np.zeros(len(rows), dtype=bool)
-    if len(rows) < capture.samples:
-        gap[1:] = np.diff(rows) > 1
     steps = np.diff(t)
+    if len(rows) < capture.samples:  # between masked rows no time may have passed that is not the next one's
+        gap[1:] = (np.diff(rows) > 1) & (np.abs(steps * capture.rate_hz - 1.0) > 0.5)
     if np.max(steps, initial=0.0) * capture.rate_hz > 1.5:
         # Half as long again as the longest ordinary step: jittery clocks have no gaps, lost samples do.
         at = len(steps) * 99 // 100
@@ -302,11 +326,16 @@ def _cut(capture: Capture, method: str, options: Mapping[str, float], core: _cor
     """What the torque has that its filter takes off."""
     if core.ripple is None or not core.lost:
         return []
+    _, hz, _ = core.ripple
     advice = Advice("log faster, or turn slower")
     if "torque_edge_hz" in options:
         advice = Advice("raise torque_edge_hz, or leave it out", "command")
     elif method == "paper":
         advice = Advice("prepare by 'smooth', whose edge goes up", "command")
+    elif core.incoherent is None and hz < core.rate_hz / 2.0 and (core.edge_hz or 0.0) < 0.39 * core.rate_hz:
+        advice = Advice(
+            "torque_edge_hz= raises it if this is the knob's: at one speed it may be a tone", "command"
+        )
     found = said(
         "{tau}: it has {waves}, and its filter's edge is at {edge:.4g} Hz: what lies beyond is not fitted",
         waves=waves(capture, core.ripple),

@@ -56,12 +56,12 @@ fn repeated(heard: Vec<Heard>, data: &[&Signals]) -> Vec<Option<Noise>> {
         |((own, told), pure): ((Option<Noise>, Told), Option<Pure>), signals: &Signals, rest: &[f64]| {
             let Some(pure) = pure else { return own };
             let variance = own.as_ref().map(|noise| noise.behind(signals.filter.as_ref()));
-            let apart = rule().explained * (1.0 + rule().steady * pure.error);
-            let less = |own: f64| told != Told::Level && pure.variance * apart < own;
+            let less = |own: f64| told != Told::Level && pure.surely() < own;
             // Noise of the motion is in repeats as well, but is faster, not slower, than a sensor's.
             let slow = !pure.noise.coefficients.is_empty();
-            let more = |own: f64| told == Told::Above && slow && pure.variance > own * apart;
-            if variance.is_some_and(|own| !less(own) && !more(own)) {
+            let apart = pure.surely() / pure.variance;
+            let more = |own: f64| told == Told::Above && slow && !pure.most && pure.variance > own * apart;
+            if variance.map_or(pure.most, |own| !less(own) && !more(own)) {
                 return own;
             }
             let louder = left(signals, rest) / pure.variance;

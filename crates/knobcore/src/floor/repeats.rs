@@ -3,7 +3,8 @@
 //! What a model lacks returns with the motion, noise does not: half the mean square of the differences is noise alone,
 //! whatever its colour and however wrong the model (the lack-of-fit test with near replicates: C. Daniel & F. S. Wood,
 //! *Fitting Equations to Data*, 1971; R. Christensen, *Annals of Statistics* 17, 1989). A motion is never quite the same
-//! again; the model takes off what that makes of the torque, and where it makes much the pair does not count.
+//! again; the model takes off what that makes of the torque. Pairs where it makes much count only where there are too few
+//! others: what the model lacks differs there too, and noise is no louder than what they tell.
 
 use super::spectral::{autoregression, falls, measured};
 use crate::noise::Noise;
@@ -41,6 +42,15 @@ pub(super) struct Pure {
     pub error: f64,
     /// The noise of the raw torque.
     pub noise: Noise,
+    /// Whether the noise may be quieter: the model's torque differs too, and so does what it lacks.
+    pub most: bool,
+}
+
+impl Pure {
+    /// The variance behind the filter that noise surely stays below, (N m)^2.
+    pub fn surely(&self) -> f64 {
+        self.variance * rule().explained * (1.0 + rule().steady * self.error)
+    }
 }
 
 /// A stretch, and where the same motion was made again: captures and rows.
@@ -67,32 +77,42 @@ pub(super) fn pure(data: &[&Signals], raw: &[Vec<f64>]) -> Vec<Option<Pure>> {
     let used: usize = data.iter().map(|signals| signals.used()).sum();
     let torque = (data.iter().map(squares).sum::<f64>() / used.max(1) as f64).sqrt();
     let rests = Rests { data, raw, filtered, torque };
-    for window in WINDOWS {
-        let pairs = rests.pairs(window);
-        if pairs.len() < ENOUGH {
-            continue;
-        }
-        let own = |capture: usize| pairs.iter().filter(move |pair| pair.at[0].0 == capture);
-        return (0..data.len())
-            .map(|capture| {
-                let own: Vec<&Pair> = own(capture).collect();
-                let pairs = if own.len() < ENOUGH { pairs.iter().collect() } else { own };
-                rests.told(&pairs, window, data[capture])
-            })
-            .collect();
-    }
-    data.iter().map(|_| None).collect()
+    let told = |most: bool| {
+        WINDOWS.into_iter().find_map(|window| {
+            let mut pairs = rests.pairs(window);
+            pairs.retain(|pair| most || rests.is_same(pair, window));
+            rests.told_by(&pairs, window, most)
+        })
+    };
+    let none = || data.iter().map(|_| None).collect::<Vec<_>>();
+    let least = |(same, near): (Option<Pure>, Option<Pure>)| match (same, near) {
+        (Some(same), Some(near)) if near.surely() < same.variance => Some(near),
+        (same, near) => same.or(near),
+    };
+    told(false).unwrap_or_else(none).into_iter().zip(told(true).unwrap_or_else(none)).map(least).collect()
 }
 
 impl Rests<'_> {
     /// Stretches of all captures whose motion was made again.
     fn pairs(&self, window: usize) -> Vec<Pair> {
-        let same = |pair: &&Pair| self.is_same(pair.at[0], pair.at[1], window);
-        closest(self.data, window).iter().filter(same).copied().collect()
+        closest(self.data, window).iter().filter(|pair| self.is_near(pair, window)).copied().collect()
     }
 
-    /// Whether the motion of two stretches is the same, as far as the torque asks.
-    fn is_same(&self, one: (usize, usize), other: (usize, usize), window: usize) -> bool {
+    /// Of each capture what such pairs say, if there are enough: its own ones, or those of all.
+    fn told_by(&self, pairs: &[Pair], window: usize, most: bool) -> Option<Vec<Option<Pure>>> {
+        if pairs.len() < ENOUGH {
+            return None;
+        }
+        let of = |(capture, signals): (usize, &&Signals)| {
+            let own: Vec<&Pair> = pairs.iter().filter(|pair| pair.at[0].0 == capture).collect();
+            let pairs = if own.len() < ENOUGH { pairs.iter().collect() } else { own };
+            self.told(&pairs, window, signals).map(|pure| Pure { most, ..pure })
+        };
+        Some(self.data.iter().enumerate().map(of).collect())
+    }
+
+    /// Whether the motion of two stretches is the same, as far as a filter that passes its torque asks.
+    fn is_near(&self, Pair { at: [one, other] }: &Pair, window: usize) -> bool {
         let signals = self.data[one.0];
         let squares = |column: &[f64]| column.iter().map(|x| x * x).sum::<f64>();
         let rows = |at: usize| at..at + window;
@@ -100,15 +120,18 @@ impl Rests<'_> {
             apart(&signals.theta[rows(one.1)], &self.data[other.0].theta[rows(other.1)], 1, f64::INFINITY);
         let speed = squares(&signals.omega[rows(one.1)]);
         let late = (way / speed).sqrt();
+        let weight = &self.data[other.0].weight[rows(other.1)];
+        counts(weight) && 2.0 * PI * signals.passes_hz() * late < rule().same_way
+    }
+
+    /// Whether the model's torque is the same in both as well.
+    fn is_same(&self, Pair { at: [one, other] }: &Pair, window: usize) -> bool {
         let torque = |(capture, row): (usize, usize)| -> Vec<f64> {
             let tau = &self.data[capture].tau[row..row + window];
             tau.iter().zip(&self.filtered[capture][row..]).map(|(tau, rest)| tau - rest).collect()
         };
-        let differs = apart(&torque(one), &torque(other), 1, f64::INFINITY) / window as f64;
-        let weight = &self.data[other.0].weight[rows(other.1)];
-        counts(weight)
-            && 2.0 * PI * signals.passes_hz() * late < rule().same_way
-            && differs.sqrt() < rule().same_torque * self.torque
+        let differs = apart(&torque(*one), &torque(*other), 1, f64::INFINITY) / window as f64;
+        differs.sqrt() < rule().same_torque * self.torque
     }
 
     /// What pairs say of the noise of a capture like this.
@@ -140,7 +163,7 @@ impl Rests<'_> {
         };
         let scale = variance / colour.behind(like.filter.as_ref());
         let noise = Noise { innovation: scale * colour.innovation, ..colour };
-        (variance > 0.0 && error.is_finite()).then_some(Pure { variance, error, noise })
+        (variance > 0.0 && error.is_finite()).then_some(Pure { variance, error, noise, most: false })
     }
 }
 
@@ -257,6 +280,31 @@ mod tests {
             theta,
             ..Signals::default()
         }
+    }
+
+    #[test]
+    fn where_the_torque_of_a_motion_that_is_made_again_differs_noise_is_no_louder_than_what_is_left_does() {
+        let mut noise = crate::random::Noise::new(5);
+        let phase: Vec<f64> = (0..6000).map(|k| 2.0 * PI * f64::from(k) / 500.38).collect();
+        let speed = 2.0 * PI * 1000.0 / 500.38;
+        let of = |f: fn(f64) -> f64| phase.iter().map(|phase| f(*phase)).collect::<Vec<f64>>();
+        let rest: Vec<f64> = of(|phase| 0.3 * (2.0 * phase).sin() + 0.2 * phase.cos().signum());
+        let rest: Vec<f64> = rest.iter().map(|missing| missing + 0.05 * noise.normal()).collect();
+        let detents = of(|phase| (90.0 * phase).sin());
+        let signals = Signals {
+            theta: of(f64::sin),
+            omega: phase.iter().map(|phase| speed * phase.cos()).collect(),
+            tau: detents.iter().zip(&rest).map(|(detents, rest)| detents + rest).collect(),
+            weight: vec![1.0; phase.len()],
+            segments: vec![0..phase.len(); 1],
+            ..turned(500)
+        };
+        let told = pure(&[&signals], std::slice::from_ref(&rest));
+        let told = told.first().and_then(Option::as_ref).unwrap();
+        assert!(told.most);
+        // A reversal that comes a sample later makes a little of it.
+        assert!((0.9..1.6).contains(&(told.variance / 0.0025)), "{}", told.variance);
+        assert!(told.surely() < 0.1 * rest.iter().map(|x| x * x).sum::<f64>() / rest.len() as f64);
     }
 
     #[test]

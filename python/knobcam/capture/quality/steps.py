@@ -13,18 +13,10 @@ from ...base.arrays import BoolArray, FloatArray, groups
 from ...base.said import Advice, said
 from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import Coordinate
+from .asked import CLEAR, REACH, Steady, check_asked
 from .missed import check_missed
 from .order import medians, quantile
 from .wild import wild
-
-REACH = 8
-"""Steps to either side from which the step between two rows is expected."""
-
-CLEAR = 8.0
-"""Noise deviations beyond which a step is not what its neighbours let expect: one in 1e15 by chance."""
-
-MOST_LOST = 20
-"""Rows lost at one place, beyond which the speed before says too little about where the angle would be."""
 
 _AWAY = 100  # rows for which an angle can be away
 _BACK = 0.2  # of the leaps, within which it is back where it went on to
@@ -34,8 +26,6 @@ _ALONE = 0.5  # of the leap there and back, that the steps beside it may be off
 _COUNTS = 1.5  # of an encoder, beyond which a step is not what its neighbours let expect
 _FAST = 1.25  # counts a row, from which each row has another
 _FEW = 3  # rows that repeat, fewer than which tell nothing unless the angle itself does
-_ASYNCHRONOUS = 0.5  # rows that repeat and do not catch up, to each that seems lost
-_WHOLE = 0.15  # a step of lost rows is a whole number of steps, to this share of one
 
 
 @dataclass(frozen=True)
@@ -66,7 +56,9 @@ def check_steps(
     index = np.flatnonzero(usable)
     if len(index) < 4 * REACH:
         return Steps(t, theta, np.zeros(len(rows), dtype=np.bool_), ())
-    bad = {kind: np.zeros(len(rows), dtype=np.bool_) for kind in ("missed", "stale", "spike", "jump")}
+    bad = {
+        kind: np.zeros(len(rows), dtype=np.bool_) for kind in ("missed", "stale", "spike", "jump", "asked")
+    }
     findings: list[Finding] = []
     # Where wild readings are a habit of the log they lie beside each other, and hide what else there is.
     anything = wild(t[index], theta[index], 0.3 * _count(np.diff(theta[index])))
@@ -151,31 +143,12 @@ def check_steps(
 
     # What a repeated row held back comes with the next one.
     follows = np.concatenate(([False], (stale | np.concatenate((spike, [False])))[:-1]))
-    # An angle that was read late makes one step longer, and the one before or after it shorter.
-    ordinary = off < np.maximum(0.25 * np.abs(expected), 0.5 * CLEAR * noise)
-    between = np.append(ordinary[1:], True) & np.append(True, ordinary[:-1])
-    lost = _lost(step, expected, noise, clear & ~follows & ~stale & between)
-    lost[np.diff(t[index]) > 1.5 / rate_hz] = 0  # the clock says so itself
-    if lost.any():
-        net = np.convolve(step - expected, np.ones(2 * REACH + 1), "same")
-        lost[_caught_up(net, lost * expected)] = 0
-        # A machine that is asked at other times than it reads repeats a reading here and skips one there.
-        behind = np.sum(stale & (expected != 0.0) & ~_caught_up(net, -expected))
-        if behind >= _ASYNCHRONOUS * lost.sum():
-            lost[:] = 0
-    if lost.any():
-        at, count = rows[index[:-1][lost > 0]], int(lost.sum())
-        shift = np.zeros(len(t))
-        shift[index[1:]] = lost
-        if "lost:t" not in overruled:
-            t = t + np.cumsum(shift) / rate_hz
-        words = said(
-            "{t}: about {count} rows are missing after {rows}, where the angle advances by several steps in "
-            "one though the clock counted on; later times are moved, nothing is filled in",
-            count=count,
-            rows=rows_in_words(at),
-        )
-        findings.append(Finding("lost", "t", count, spans(at), words, "mended"))
+    kept = ~follows & (np.diff(t[index]) < 1.5 / rate_hz)  # else the clock says so itself
+    asked = check_asked(Steady(step, expected, noise, clear & kept, clear, stale), rows, index)
+    bad["asked"][index[1:][asked.amiss]] = True
+    findings += asked.findings
+    if asked.findings and asked.findings[0].key not in overruled:
+        t = t + asked.late(len(t)) / rate_hz
     return _told(t, theta, bad, findings, overruled)
 
 
@@ -327,23 +300,3 @@ def _there_and_back(off: FloatArray, clear: float) -> BoolArray:
     beside = np.maximum(np.abs(np.append(0.0, off[:-2])), np.abs(np.append(off[2:], 0.0)))
     found: BoolArray = (leap > clear) & (beside < _ALONE * leap)
     return found & (np.abs(first + second) < 0.2 * np.abs(first - second))
-
-
-def _caught_up(net: FloatArray, gone: FloatArray) -> BoolArray:
-    """Which of the steps that are too long by what is `gone` are so by what steps near them are too short.
-
-    `net` is by how much those around each are too long together.
-
-    An angle that was read late for a row or two catches up; rows that are lost leave it further on.
-    """
-    caught: BoolArray = net * np.sign(gone) < 0.5 * np.abs(gone)
-    return caught
-
-
-def _lost(step: FloatArray, expected: FloatArray, noise: float, clear: BoolArray) -> NDArray[np.int64]:
-    """How many rows are missing within each step: one less than the steps that it is as long as."""
-    steps = np.where(clear, step, expected) / np.where(expected == 0.0, 1.0, expected)
-    whole = np.rint(steps)
-    near = np.abs(steps - whole) * np.abs(expected) < 0.5 * CLEAR * noise + _WHOLE * np.abs(expected)
-    lost = np.where(clear & near & (whole >= 2.0) & (whole <= MOST_LOST + 1.0), whole - 1.0, 0.0)
-    return lost.astype(np.int64)
