@@ -228,6 +228,7 @@ def test_what_cannot_be_told_is_designed_recorded_and_told_in_the_browser(
     assert second["separable"] and second["limits"]["theta_max_rad"] == 1.6
     rivals = [[{"effect": one}] for one in ("return_spring", "unbalance")]
     assert second["rivals"] == first["rivals"] == rivals
+    assert seen["enough"] == "Design with torque up to 0.0024 N m"
     assert seen["counted"] == "3"
     before, after = seen["left"]
     assert 0.7 < before - after < 1.6 and after < third["seconds"] - 2.5

@@ -19,7 +19,7 @@ import { known } from "./names.js";
 import { Linked } from "./linked.js";
 import { Live } from "./live.js";
 import { showMoment } from "./moment.js";
-import { Next, showUntold } from "./next.js";
+import { Next } from "./next.js";
 import { Overlay } from "./overlay.js";
 import { Params } from "./params.js";
 import { preparing, sources } from "./sources.js";
@@ -27,6 +27,7 @@ import { Store } from "./store.js";
 import { aboutOf } from "./said.js";
 import { themed } from "./theme.js";
 import { timed, times } from "./timing.js";
+import { showUntold } from "./untold.js";
 import { showVerdict } from "./verdict.js";
 
 /** @typedef {import("./types.js").State} State */
@@ -90,9 +91,9 @@ class App {
     this.next = new Next({
       store: this.store,
       design: async (body) => {
-        const answer = await this.ask("design", body);
-        if (answer) await this.load(Infinity);
-        return answer;
+        await post("design", body);
+        this.say("");
+        await this.load(Infinity);
       },
       recording: () => this.live?.follow(),
       where: () => this.live?.angle ?? null,

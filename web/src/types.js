@@ -61,6 +61,39 @@
  */
 
 /**
+ * A limit, and how wide it would have to be.
+ * @typedef {{limit: string, to: number}} Enough
+ */
+
+/**
+ * Two rivals: D that a motion promises, that of the best standard one, and what came (null: not yet).
+ * @typedef
+ *   {{names: [(string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[], (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[]],
+ *   d: number, standard_d: number, wrong_choice: number, came: number | null}} Pair
+ */
+
+/**
+ * What a hand has to do, in words; `beats` a minute, 0: none; why it `cannot`, empty where it can.
+ * @typedef {{words: string, seconds: number, beats: number, cannot: string}} HandStep
+ */
+
+/**
+ * A motion that tells rivals apart from D = `told` on; `verdict` is what its recording `capture` told.
+ *
+ * Of one rival alone it makes a parameter known better. `headline` is what it `promises` and how it moves,
+ * `source` what it can be recorded from at once, in words. Rivals that it does not tell apart are with
+ * `change`, if that is known.
+ * @typedef {{id: string,
+ *   rivals: ((string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[])[],
+ *   promises: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
+ *   headline: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
+ *   separable: boolean, seconds: number, limits: Record<string, number>, change: Enough | null, pairs: Pair[],
+ *   told: number, by_hand: boolean, steps: HandStep[], source: string | null, capture: string | null,
+ *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[] | null}}
+ *   Experiment
+ */
+
+/**
  * What the quality check found in a capture, and whether a person has `overruled` it, by its `key`.
  *
  * `stands` is why nobody can, `seen` whether it names samples; a "note" changes nothing.
@@ -159,33 +192,6 @@
  */
 
 /**
- * Two rivals: D that a motion promises, that of the best standard one, and what came (null: not yet).
- * @typedef
- *   {{names: [(string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[], (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[]],
- *   d: number, standard_d: number, wrong_choice: number, came: number | null}} Pair
- */
-
-/**
- * What a hand has to do, in words; `beats` a minute, 0: none; why it `cannot`, empty where it can.
- * @typedef {{words: string, seconds: number, beats: number, cannot: string}} HandStep
- */
-
-/**
- * A motion that tells rivals apart from D = `told` on; `verdict` is what its recording `capture` told.
- *
- * Of one rival alone it makes a parameter known better. `headline` is what it `promises` and how it moves,
- * `source` what it can be recorded from at once, in words.
- * @typedef {{id: string,
- *   rivals: ((string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[])[],
- *   promises: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
- *   headline: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
- *   separable: boolean, seconds: number, limits: Record<string, number>, pairs: Pair[], told: number,
- *   by_hand: boolean, steps: HandStep[], source: string | null, capture: string | null,
- *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[] | null}}
- *   Experiment
- */
-
-/**
  * The mean residual in bins of an axis, and the half-width of the 95 % band that chance gives it.
  *
  * Along frequency `mean` is the RMS per bin, `band` what chance stays below.
@@ -204,7 +210,8 @@
  *
  * Of the effects in each of `untold` one is in the model, not known which. `verdict` is said after what is
  * `concluded`, if anything is; `record` is what to record next to see more of what no effect explains.
- * `peak` is the largest torque, `titles` those of all effects.
+ * `peak` is the largest torque, `titles` those of all effects. `limits` are those that the captures reached,
+ * within which a motion is designed unless others are given.
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, peak: number,
  *   params: Param[], together: Together[], rmse: number | null, rmse_heldout: number | null,
@@ -214,7 +221,8 @@
  *   limitations: string[], titles: Record<string, string>, absent: Effect[], untold: string[][],
  *   proposed: Law[] | null,
  *   proposed_said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
- *   curve: Curve | null, surface: Surface | null, experiment: Experiment | null}} Session
+ *   curve: Curve | null, surface: Surface | null, limits: Record<string, number> | null,
+ *   experiment: Experiment | null}} Session
  */
 
 /**
@@ -250,8 +258,9 @@
  *   limitations: string[], titles: Record<string, string>, absent: Effect[], untold: string[][],
  *   proposed: Law[] | null,
  *   proposed_said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
- *   curve: Curve | null, surface: Surface | null, experiment: Experiment | null, job: Job | null,
- *   recording: boolean, looked: Looked | null, unread: string[], left: Left[], notes: string[]}} State
+ *   curve: Curve | null, surface: Surface | null, limits: Record<string, number> | null,
+ *   experiment: Experiment | null, job: Job | null, recording: boolean, looked: Looked | null, unread: string[],
+ *   left: Left[], notes: string[]}} State
  */
 
 /**
@@ -348,13 +357,15 @@
 /**
  * What more there may be to say: `columns` of a file that could not be taken for a capture, a `fault`.
  *
- * `guess` has the columns of a capture that the file's seem to be.
- * @typedef {{columns?: FileColumn[], guess?: Record<string, Guess>, fault?: Fault}} Why
+ * `guess` has the columns of a capture that the file's seem to be, `enough` the limit with which there would
+ * be a motion.
+ * @typedef {{columns?: FileColumn[], guess?: Record<string, Guess>, fault?: Fault, enough?: Enough}} Why
  */
 
 /**
  * What is wrong with a request.
- * @typedef {{columns?: FileColumn[], guess?: Record<string, Guess>, fault?: Fault, error: string}} Refused
+ * @typedef {{columns?: FileColumn[], guess?: Record<string, Guess>, fault?: Fault, enough?: Enough,
+ *   error: string}} Refused
  */
 
 /**

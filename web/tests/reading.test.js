@@ -54,7 +54,7 @@ test("a verdict begins with what is missing in plain words, and with what to do 
 
 test("what to record next waits for what is missing, and says in words what shows more of what has no name", async () => {
   globalThis.location = /** @type {any} */ ({ search: "" });
-  const { insteadOf } = await import("../src/next.js");
+  const { insteadOf } = await import("../src/untold.js");
   const state = (/** @type {boolean} */ could, /** @type {string | null} */ record, /** @type {string[][]} */ untold = []) =>
     insteadOf(/** @type {any} */ ({ candidates: { rows: [{ could_be: could }] }, record, untold }));
   assert.match(state(true, null), /once what is missing is in the model/);

@@ -8,6 +8,7 @@ on a linear axis; all else in SI too.
 from typing import Literal, TypedDict
 
 from .pages_left import Curve, Surface
+from .pages_next import Experiment
 from .pages_said import Advice, Along, Part
 
 Word = Literal["missing", "part", "alike", "less", "implausible", "too_little", "unpaid", "chance", "untold"]
@@ -177,48 +178,6 @@ class Job(TypedDict):
     recording: bool
 
 
-class Pair(TypedDict):
-    """Two rivals: D that a motion promises, that of the best standard one, and what came (null: not yet)."""
-
-    names: tuple[list[Part], list[Part]]
-    d: float
-    standard_d: float
-    wrong_choice: float
-    came: float | None
-
-
-class HandStep(TypedDict):
-    """What a hand has to do, in words; `beats` a minute, 0: none; why it `cannot`, empty where it can."""
-
-    words: str
-    seconds: float
-    beats: float
-    cannot: str
-
-
-class Experiment(TypedDict):
-    """A motion that tells rivals apart from D = `told` on; `verdict` is what its recording `capture` told.
-
-    Of one rival alone it makes a parameter known better. `headline` is what it `promises` and how it moves,
-    `source` what it can be recorded from at once, in words.
-    """
-
-    id: str
-    rivals: list[list[Part]]
-    promises: list[Part]
-    headline: list[Part]
-    separable: bool
-    seconds: float
-    limits: dict[str, float]
-    pairs: list[Pair]
-    told: float
-    by_hand: bool
-    steps: list[HandStep]
-    source: str | None
-    capture: str | None
-    verdict: list[Part] | None
-
-
 USUAL: tuple[Along, ...] = ("position", "velocity", "time")
 """What they are drawn over before a person chooses."""
 
@@ -249,7 +208,8 @@ class Session(TypedDict):
 
     Of the effects in each of `untold` one is in the model, not known which. `verdict` is said after what is
     `concluded`, if anything is; `record` is what to record next to see more of what no effect explains.
-    `peak` is the largest torque, `titles` those of all effects.
+    `peak` is the largest torque, `titles` those of all effects. `limits` are those that the captures reached,
+    within which a motion is designed unless others are given.
     """
 
     schema: str
@@ -281,6 +241,7 @@ class Session(TypedDict):
     proposed_said: list[Part]
     curve: Curve | None
     surface: Surface | None
+    limits: dict[str, float] | None
     experiment: Experiment | None
 
 

@@ -5,6 +5,8 @@ The other half of the schema in `pages.py`, by the same rules.
 
 from typing import Literal, NotRequired, TypedDict
 
+from .pages_next import Enough
+
 
 class Knob(TypedDict):
     """A knob that can be simulated, and the effects that it can hide."""
@@ -90,12 +92,14 @@ class Fault(TypedDict):
 class Why(TypedDict, total=False):
     """What more there may be to say: `columns` of a file that could not be taken for a capture, a `fault`.
 
-    `guess` has the columns of a capture that the file's seem to be.
+    `guess` has the columns of a capture that the file's seem to be, `enough` the limit with which there would
+    be a motion.
     """
 
     columns: list[FileColumn]
     guess: dict[str, Guess]
     fault: Fault
+    enough: Enough
 
 
 class Refused(Why):

@@ -25,6 +25,7 @@ from ..base.strict_json import as_json, island
 from ..capture import load
 from ..capture.formats import DEFAULT_MAX_BYTES
 from ..errors import InputError
+from ..learn.experiment import NoMotion
 from ..model.effects import effect as catalogued
 from ..rig.record import Latched
 from . import arrays, closing, ruling, saving
@@ -111,6 +112,8 @@ async def _wrong(_: Request, error: Exception) -> Response:
         more |= {"columns": error.columns, "guess": error.guess}
     if isinstance(error, Latched):
         more["fault"] = {"code": error.code, "told": error.told}
+    if isinstance(error, NoMotion) and error.enough is not None:
+        more["enough"] = {"limit": error.enough[0], "to": error.enough[1]}
     return refusal(str(error), error.status if isinstance(error, Unread) else 400, **more)
 
 

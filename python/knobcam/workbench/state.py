@@ -13,6 +13,7 @@ from ..errors import InputError
 from ..fit.plausible import out_of_range
 from ..learn import LearningResult
 from ..learn.limitations import limitations
+from ..learn.limits import Limits
 from ..model.effects import effects, titles
 from ..show.samples import candidates, peak
 from . import proposing, ruling, surface
@@ -92,6 +93,7 @@ def document(session: Session) -> pages.Session:
         "proposed_said": [] if laws is None else laws.headline.document(),
         "curve": proposing.curve(laws),
         "surface": surface.document(laws),
+        "limits": told.limits,
         "experiment": None if shown is None else shown.document(_source(session, shown)),
     }
 
@@ -103,6 +105,7 @@ class _Said(NamedTuple):
     together: list[pages.Together]
     limitations: list[str]
     absent: list[pages.Effect]
+    limits: dict[str, float] | None
 
 
 _KNOWN: WeakKeyDictionary[Fit, _Said] = WeakKeyDictionary()
@@ -113,8 +116,18 @@ def _said(fitted: Fit) -> _Said:
     if fitted not in _KNOWN:
         cannot = [f"{one.message}; {one.record}" for one in limitations(fitted)]
         missing = [one.document() for one in absent(fitted.model)]
-        _KNOWN[fitted] = _Said(peak(fitted), _together(fitted), cannot, missing)
+        _KNOWN[fitted] = _Said(peak(fitted), _together(fitted), cannot, missing, _reached(fitted))
     return _KNOWN[fitted]
+
+
+def _reached(fitted: Fit) -> dict[str, float] | None:
+    """Return the limits that captures reached; None of such as nothing moves in."""
+    if not any(one.used.any() for one in fitted.prepared):
+        return None
+    try:
+        return Limits.reached(fitted.prepared).numbers
+    except InputError:
+        return None
 
 
 def unexplained(session: Session) -> bool:
@@ -175,6 +188,7 @@ def _nothing(session: Session) -> pages.Session:
         "proposed_said": [],
         "curve": None,
         "surface": None,
+        "limits": None,
         "experiment": None,
     }
 

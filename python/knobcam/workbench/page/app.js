@@ -1,11 +1,12 @@
 // src/api.js
 var Refusal = class extends Error {
   /** @param {string} words @param {import("./types.js").Why} [more] */
-  constructor(words3, { columns, guess, fault } = {}) {
+  constructor(words3, { columns, guess, fault, enough } = {}) {
     super(words3);
     this.columns = columns ?? null;
     this.guess = guess ?? {};
     this.fault = fault ?? null;
+    this.enough = enough ?? null;
   }
 };
 function wordsOf(reason2) {
@@ -1386,11 +1387,23 @@ function limitWords(about2) {
     omega_rad_s: `${omega.name}, ${omega.unit}`,
     alpha_rad_s2: `${alpha.name}, ${alpha.unit}`,
     theta_min_rad: `from ${theta.name}, ${theta.unit}`,
-    theta_max_rad: `to ${theta.name}, ${theta.unit}`
+    theta_max_rad: `to ${theta.name}, ${theta.unit}`,
+    duration_s: "at most, s",
+    sample_rate_hz: "recorded at, Hz"
   };
 }
+function enoughWords({ theta_min_rad: from, ...wider2 }, about2) {
+  const { theta } = motionWords(about2);
+  if (from !== void 0) return `${theta.name} from ${number(from)} to ${number(wider2.theta_max_rad)} ${theta.unit}`;
+  const [[name, to]] = Object.entries(wider2);
+  if (name === "duration_s") return `at most ${number(to)} s`;
+  const [called, unit] = (limitWords(about2)[name] ?? name).split(", ");
+  return `${called} up to ${number(to, 4)} ${unit}`;
+}
 function ofLimits(said, about2) {
-  if (!said.startsWith("limits")) return said;
+  return said.startsWith("limits") ? inFormWords(said, about2) : said;
+}
+function inFormWords(said, about2) {
   const pairs = Object.entries(limitWords(about2));
   return pairs.reduce((words3, [name, called]) => words3.replaceAll(name, `“${called}”`), said);
 }
@@ -3854,6 +3867,117 @@ function dot(brush, x, y, size, colour) {
   brush.fill();
 }
 
+// src/untold.js
+function insteadOf({ candidates, record, untold }) {
+  if (untold.length > 0) return "";
+  if (candidates.rows.some(({ could_be: could }) => could)) return "What to record next: that is known once what is missing is in the model.";
+  return record ? `What to record next, to see what it is: ${record}.` : "";
+}
+function showUntold(place4, { untold }, apart2) {
+  const rows = untold.map(
+    (effects) => make(
+      "li",
+      {},
+      ...listed([effects[0]], ""),
+      " came in; these captures cannot tell it from ",
+      ...listed(effects.slice(1), ", "),
+      ". ",
+      make("button", { type: "button", text: "Tell apart…", on: { click: () => apart2(effects) } })
+    )
+  );
+  place4.replaceChildren(...rows);
+}
+
+// src/within.js
+var DIGITS = 4;
+var Within = class {
+  /** @param {() => unknown} design anew, within what is `wanted` by then */
+  constructor(design) {
+    this.wanted = {};
+    this.reached = {};
+    this.unit = "";
+    this.shown = "";
+    this.enough = null;
+    byId("next-limits").addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.read();
+      design();
+    });
+    byId("next-enough").addEventListener("click", () => {
+      if (!this.enough) return;
+      this.wanted = { ...this.wanted, ...wider(this.enough, this.all) };
+      design();
+    });
+  }
+  /** All limits as they are wanted. @returns {Record<string, number>} */
+  get all() {
+    return (
+      /** @type {Record<string, number>} */
+      { ...this.reached, ...this.wanted }
+    );
+  }
+  /** Take what is typed; a field that is empty, or as it was filled, is for what the captures reached. */
+  read() {
+    this.wanted = {};
+    for (const { name, value, validity } of this.fields) {
+      if (validity.badInput) this.wanted[name] = "no number";
+      else if (value.trim() !== "" && Number(value) !== rounded(this.reached[name])) this.wanted[name] = Number(value);
+    }
+    this.shown = "";
+  }
+  /** @returns {HTMLInputElement[]} */
+  get fields() {
+    return [...byId("next-limits").querySelectorAll("input")].filter(({ type }) => type === "number");
+  }
+  /**
+   * Show the limits; what was typed is kept as long as torques and positions are in the same units.
+   * @param {State} state
+   */
+  show(state) {
+    const about2 = aboutOf(state);
+    const unit = `${about2.coordinate} ${about2.unit}`;
+    if (unit !== this.unit) this.wanted = {};
+    this.unit = unit;
+    this.reached = state.limits ?? {};
+    const shown2 = JSON.stringify([unit, this.all]);
+    if (shown2 === this.shown) return;
+    this.shown = shown2;
+    const words3 = limitWords(about2);
+    for (const field3 of this.fields) {
+      const value = this.all[field3.name];
+      field3.value = value === void 0 ? "" : String(rounded(value));
+      if (field3.name in words3 && field3.previousElementSibling) field3.previousElementSibling.textContent = words3[field3.name];
+    }
+    const own = Object.keys(this.wanted).length;
+    byId("next-whose").textContent = own === 0 ? ": what the captures reached" : `: ${own} of your own`;
+  }
+  /**
+   * Take the limits of a motion that is there, unless others are wanted: those of a session that goes on, say.
+   * @param {Record<string, number>} limits
+   */
+  adopt(limits2) {
+    if (Object.keys(this.wanted).length > 0) return;
+    const other = Object.entries(limits2).filter(([name, value]) => rounded(value) !== rounded(this.reached[name] ?? value));
+    this.wanted = Object.fromEntries(other);
+  }
+  /**
+   * Offer the smallest change of a limit that would do.
+   * @param {Enough | null} enough
+   * @param {State} state
+   */
+  offer(enough, state) {
+    this.enough = enough;
+    byId("next-enough").hidden = enough === null;
+    if (enough) byId("next-enough").textContent = `Design with ${enoughWords(wider(enough, this.all), aboutOf(state))}`;
+  }
+};
+function rounded(value) {
+  return Number(value.toPrecision(DIGITS));
+}
+function wider({ limit, to }, { theta_min_rad, theta_max_rad }) {
+  return limit === "theta_max_rad" ? { theta_min_rad: theta_min_rad + theta_max_rad - to, theta_max_rad: to } : { [limit]: to };
+}
+
 // src/next.js
 var COLOURS = ["--modelled", "--wrong", "--signature", "--beside", "--chosen", "--ink", "--band", "--measured"];
 var MOTION2 = ["t", "theta", "omega"];
@@ -3866,6 +3990,7 @@ var Next = class {
   constructor(deeds) {
     this.deeds = deeds;
     this.metronome = new Metronome(deeds.where);
+    this.within = new Within(() => this.design(this.effects ?? this.rivals));
     this.plots = ["angle over time", "velocity over angle", "torques of the rivals"].map(
       (name) => new Plot(`${name} of the next experiment`, () => {
       })
@@ -3894,52 +4019,65 @@ var Next = class {
       this.fromPort({});
     });
     byId("rig-clear").addEventListener("click", () => this.fromPort({ clear_fault: this.fault }));
-    byId("next-limits").addEventListener("submit", (event) => {
-      event.preventDefault();
-      this.designAgain();
+    byId("next-bounds").addEventListener("click", () => {
+      this.open();
+      byId("next-within").open = true;
     });
   }
   /** @returns {Experiment | null} */
   get told() {
     return this.state?.experiment ?? null;
   }
+  /** The effects that the motion which is shown is for; none where it is for a parameter. @returns {string[]} */
+  get rivals() {
+    const rivals = this.told?.rivals ?? [];
+    return rivals.length > 1 ? rivals.map((rival) => effectsOf(rival).at(-1) ?? "") : [];
+  }
   /**
-   * Design a motion for effects, and show it; for none: for what is known least.
+   * Design a motion for effects, and show it; for none: for what is known least. Where none is within the limits, they
+   * are shown in its place.
    * @param {string[]} effects
-   * @param {object} [within]
    * @returns {Promise<boolean>} whether there is one
    */
-  async design(effects, within4 = {}) {
+  async design(effects) {
     this.effects = effects;
     const by_hand = (
       /** @type {HTMLInputElement} */
       byId("next-only-hand").checked
     );
     this.enable(false);
-    const made = await this.deeds.design({ effects, limits: within4, by_hand });
-    this.enable(true);
-    if (made) this.open();
-    return Boolean(made);
+    this.refuse("");
+    try {
+      await this.deeds.design({ effects, limits: this.within.wanted, by_hand });
+      this.open();
+      return true;
+    } catch (reason2) {
+      const words3 = this.state ? ofLimits(wordsOf(reason2), aboutOf(this.state)) : "";
+      this.deeds.failed(reason2);
+      if (words3.startsWith("limits")) {
+        this.open();
+        this.refuse(words3, reason2 instanceof Refusal ? reason2.enough : null);
+      }
+      return false;
+    } finally {
+      this.enable(true);
+    }
+  }
+  /**
+   * Say why there is no motion, and with which limit there would be one; nothing where there is.
+   * @param {string} words
+   * @param {import("./types.js").Enough | null} [enough]
+   */
+  refuse(words3, enough = this.told?.change ?? null) {
+    byId("next-refused").textContent = words3;
+    if (words3) byId("next-within").open = true;
+    if (this.state) this.within.offer(enough, this.state);
   }
   /** What makes another one waits for this one. @param {boolean} free */
   enable(free) {
-    for (const id of ["next-record", "next-port", "next-again", "next-hand", "next-show"]) {
+    for (const id of ["next-record", "next-port", "next-again", "next-hand", "next-show", "next-enough"]) {
       byId(id).disabled = !free;
     }
-  }
-  /** Design it anew within the limits that are typed. */
-  designAgain() {
-    const within4 = {};
-    for (const [name, value] of new FormData(
-      /** @type {HTMLFormElement} */
-      byId("next-limits")
-    )) {
-      const typed = Number(value);
-      within4[name] = String(value).trim() && Number.isFinite(typed) ? typed : value;
-    }
-    const rivals = this.told?.rivals ?? [];
-    const before = rivals.length > 1 ? rivals.map((rival) => effectsOf(rival).at(-1) ?? "") : [];
-    return this.design(this.effects ?? before, within4);
   }
   open() {
     byId("next").hidden = false;
@@ -3959,9 +4097,14 @@ var Next = class {
     byId("next-show").textContent = experiment ? "Next experiment…" : "What to record next…";
     const instead = experiment === null ? insteadOf(state) : "";
     byId("next-show").hidden = instead !== "";
+    byId("next-bounds").hidden = instead !== "";
+    byId("next").classList.toggle("without", experiment === null);
+    if (node === null) byId("next").hidden = true;
+    this.within.show(state);
     if (experiment === null) {
-      byId("next").hidden = true;
       byId("next-said").textContent = instead;
+      for (const id of ["next-time", "next-headline", "next-verdict"]) byId(id).textContent = "";
+      byId("next-again").textContent = "Design";
       return;
     }
     byId("next-said").replaceChildren(...nodes(experiment.verdict ?? experiment.promises, aboutOf(state)));
@@ -3975,10 +4118,15 @@ var Next = class {
   }
   /** @param {Experiment} experiment @param {State} state */
   tell(experiment, state) {
-    const { headline, verdict, source, pairs, steps, by_hand, seconds: seconds2, limits: within4 } = experiment;
+    const { headline, verdict, source, pairs, steps, by_hand, seconds: seconds2 } = experiment;
     const about2 = aboutOf(state);
+    if (experiment.capture === null) this.within.adopt(experiment.limits);
+    this.within.show(state);
+    this.refuse("");
+    byId("next-again").textContent = "Design again";
     byId("next-time").textContent = `${number(seconds2)} s`;
-    byId("next-headline").replaceChildren(...nodes(headline, about2));
+    const called = headline.map((part) => typeof part === "string" ? inFormWords(part, about2) : part);
+    byId("next-headline").replaceChildren(...nodes(called, about2));
     byId("next-verdict").replaceChildren(...nodes(verdict ?? [], about2));
     byId("next-record").hidden = source === null;
     byId("next-record").textContent = experiment.capture ? "Record it again" : "Record it";
@@ -3991,14 +4139,7 @@ var Next = class {
     const led = tempi.size === 1 ? ` at ${[...tempi][0]} beats a minute` : "";
     byId("next-can").textContent = by_hand ? `By hand, led by a metronome${led}` : "For a motor";
     byId("next-no-hand").hidden = by_hand;
-    byId("next-steps").replaceChildren(...(by_hand ? steps : []).map(({ words: words4 }) => make("li", {}, words4)));
-    const words3 = limitWords(about2);
-    for (const [name, value] of Object.entries(within4)) {
-      const field3 = byId("next-limits").querySelector(`[name=${name}]`);
-      if (!(field3 instanceof HTMLInputElement)) continue;
-      field3.value = String(Number(value.toPrecision(4)));
-      if (name in words3 && field3.previousElementSibling) field3.previousElementSibling.textContent = words3[name];
-    }
+    byId("next-steps").replaceChildren(...(by_hand ? steps : []).map(({ words: words3 }) => make("li", {}, words3)));
   }
   /** @param {Experiment} experiment @param {State} state */
   async load(experiment, { node, active }) {
@@ -4101,7 +4242,8 @@ var Next = class {
   async lead() {
     if (this.told && !this.told.by_hand) {
       byId("next-only-hand").checked = true;
-      if (!await this.designAgain()) return;
+      this.within.read();
+      if (!await this.design(this.effects ?? this.rivals)) return;
     }
     await this.loading;
     const { told, motion, state } = this;
@@ -4126,25 +4268,6 @@ var Next = class {
     }
   }
 };
-function insteadOf({ candidates, record, untold }) {
-  if (untold.length > 0) return "";
-  if (candidates.rows.some(({ could_be: could }) => could)) return "What to record next: that is known once what is missing is in the model.";
-  return record ? `What to record next, to see what it is: ${record}.` : "";
-}
-function showUntold(place4, { untold }, apart2) {
-  const rows = untold.map(
-    (effects) => make(
-      "li",
-      {},
-      ...listed([effects[0]], ""),
-      " came in; these captures cannot tell it from ",
-      ...listed(effects.slice(1), ", "),
-      ". ",
-      make("button", { type: "button", text: "Tell apart…", on: { click: () => apart2(effects) } })
-    )
-  );
-  place4.replaceChildren(...rows);
-}
 function rig() {
   return (
     /** @type {HTMLDialogElement} */
@@ -4696,9 +4819,9 @@ var App = class {
     this.next = new Next({
       store: this.store,
       design: async (body) => {
-        const answer = await this.ask("design", body);
-        if (answer) await this.load(Infinity);
-        return answer;
+        await post("design", body);
+        this.say("");
+        await this.load(Infinity);
       },
       recording: () => this.live?.follow(),
       where: () => this.live?.angle ?? null,
