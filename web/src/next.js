@@ -10,7 +10,7 @@ import { Plot } from "./plot.js";
 import { aboutOf, nodes } from "./said.js";
 import { decode } from "./store.js";
 import { timed } from "./timing.js";
-import { insteadOf } from "./untold.js";
+import { insteadOf, showUntold } from "./untold.js";
 import { Within } from "./within.js";
 
 /** @typedef {import("./types.js").Experiment} Experiment */
@@ -140,6 +140,7 @@ export class Next {
   /** @param {State} state */
   show(state) {
     this.state = state;
+    showUntold(byId("untold"), state, (effects) => this.design(effects));
     const { experiment, node, recording, candidates } = state;
     byId("next-line").hidden = experiment === null && !(candidates.ready && node !== null);
     byId("next-show").textContent = experiment ? "Next experiment…" : "What to record next…";

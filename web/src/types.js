@@ -211,10 +211,12 @@
  * Of the effects in each of `untold` one is in the model, not known which. `verdict` is said after what is
  * `concluded`, if anything is; `record` is what to record next to see more of what no effect explains.
  * `peak` is the largest torque, `titles` those of all effects. `limits` are those that the captures reached,
- * within which a motion is designed unless others are given.
+ * within which a motion is designed unless others are given; `below_hz` is the edge of the filter that
+ * torques are seen through, null where they are seen as they came.
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, peak: number,
- *   params: Param[], together: Together[], rmse: number | null, rmse_heldout: number | null,
+ *   below_hz: number | null, params: Param[], together: Together[], rmse: number | null,
+ *   rmse_heldout: number | null,
  *   concluded: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   record: string | null, carried: Carried[], ladder: LadderStep[], candidates: Candidates, warnings: string[],
@@ -251,7 +253,8 @@
  * The answer of `GET /api/state`: a session, what is being done to it, and what can go on.
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, peak: number,
- *   params: Param[], together: Together[], rmse: number | null, rmse_heldout: number | null,
+ *   below_hz: number | null, params: Param[], together: Together[], rmse: number | null,
+ *   rmse_heldout: number | null,
  *   concluded: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   record: string | null, carried: Carried[], ladder: LadderStep[], candidates: Candidates, warnings: string[],
@@ -283,9 +286,9 @@
 /**
  * What linked plots show: models held against captures of `all` samples, torques up to `peak`.
  *
- * `titles` are those of all effects.
- * @typedef {{unit: string, peak: number, coordinate: "rotary" | "linear", noise: number | null,
- *   titles: Record<string, string>, all: number, steps: ShownStep[]}} Shown
+ * `titles` are those of all effects; `below_hz` as of `Session`.
+ * @typedef {{unit: string, peak: number, below_hz: number | null, coordinate: "rotary" | "linear",
+ *   noise: number | null, titles: Record<string, string>, all: number, steps: ShownStep[]}} Shown
  */
 
 /**
@@ -297,15 +300,15 @@
 
 /**
  * The same where `n` of the samples are carried along.
- * @typedef {{unit: string, peak: number, coordinate: "rotary" | "linear", noise: number | null,
- *   titles: Record<string, string>, all: number, steps: ShownStep[], n: number}} Head
+ * @typedef {{unit: string, peak: number, below_hz: number | null, coordinate: "rotary" | "linear",
+ *   noise: number | null, titles: Record<string, string>, all: number, steps: ShownStep[], n: number}} Head
  */
 
 /**
  * What a page holds in itself: columns, of each step its residual and what each candidate explains.
- * @typedef {{unit: string, peak: number, coordinate: "rotary" | "linear", noise: number | null,
- *   titles: Record<string, string>, all: number, steps: ShownStep[], n: number, columns: Record<string, Packed>,
- *   residuals: Packed[], signatures: Record<string, Packed>[]}} Kept
+ * @typedef {{unit: string, peak: number, below_hz: number | null, coordinate: "rotary" | "linear",
+ *   noise: number | null, titles: Record<string, string>, all: number, steps: ShownStep[], n: number,
+ *   columns: Record<string, Packed>, residuals: Packed[], signatures: Record<string, Packed>[]}} Kept
  */
 
 /**

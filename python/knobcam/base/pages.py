@@ -209,7 +209,8 @@ class Session(TypedDict):
     Of the effects in each of `untold` one is in the model, not known which. `verdict` is said after what is
     `concluded`, if anything is; `record` is what to record next to see more of what no effect explains.
     `peak` is the largest torque, `titles` those of all effects. `limits` are those that the captures reached,
-    within which a motion is designed unless others are given.
+    within which a motion is designed unless others are given; `below_hz` is the edge of the filter that
+    torques are seen through, null where they are seen as they came.
     """
 
     schema: str
@@ -222,6 +223,7 @@ class Session(TypedDict):
     noise_floor: float | None
     unit: str
     peak: float
+    below_hz: float | None
     params: list[Param]
     together: list[Together]
     rmse: float | None
@@ -323,11 +325,12 @@ class ShownStep(TypedDict):
 class Shown(TypedDict):
     """What linked plots show: models held against captures of `all` samples, torques up to `peak`.
 
-    `titles` are those of all effects.
+    `titles` are those of all effects; `below_hz` as of `Session`.
     """
 
     unit: str
     peak: float
+    below_hz: float | None
     coordinate: Literal["rotary", "linear"]
     noise: float | None
     titles: dict[str, str]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import pages
+from ..base import pages_next
 from ..base.said import OfParam, Said, joined, said
 from ..capture.by_hand import by_hand, hand_can
 from ..capture.motion_plan import MotionPlan
@@ -106,7 +106,7 @@ class Designed:
         found |= {f"rival {at}": torque for at, torque in enumerate(apart)}
         return {name: column[some] for name, column in found.items()}
 
-    def document(self, source: str | None) -> pages.Experiment:
+    def document(self, source: str | None) -> pages_next.Experiment:
         """Return what a page shows of it; `source` is what it can be recorded from at once, in words."""
         steps = by_hand(self.plan, self.models[0].coordinate)
         return {

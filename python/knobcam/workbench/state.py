@@ -15,7 +15,7 @@ from ..learn import LearningResult
 from ..learn.limitations import limitations
 from ..learn.limits import Limits
 from ..model.effects import effects, titles
-from ..show.samples import candidates, peak
+from ..show.samples import below_hz, candidates, peak
 from . import proposing, ruling, surface
 from .closing import open_ones
 from .designing import origin
@@ -64,6 +64,7 @@ def document(session: Session) -> pages.Session:
         "noise_floor": fitted.noise_floor,
         "unit": fitted.torque_unit,
         "peak": told.peak,
+        "below_hz": below_hz(fitted),
         "params": _parameters(view),
         "together": told.together,
         "rmse": view.rmse,
@@ -169,6 +170,7 @@ def _nothing(session: Session) -> pages.Session:
         "noise_floor": None,
         "unit": "N m",
         "peak": 0.0,
+        "below_hz": None,
         "params": [],
         "together": [],
         "rmse": None,

@@ -1,8 +1,8 @@
 // src/api.js
 var Refusal = class extends Error {
   /** @param {string} words @param {import("./types.js").Why} [more] */
-  constructor(words3, { columns, guess, fault, enough } = {}) {
-    super(words3);
+  constructor(words4, { columns, guess, fault, enough } = {}) {
+    super(words4);
     this.columns = columns ?? null;
     this.guess = guess ?? {};
     this.fault = fault ?? null;
@@ -108,11 +108,11 @@ function titleOf(effect) {
 }
 function paramOf(name) {
   const [effect, ...own] = name.split(".");
-  const [words3, title] = [meanings[name] || own.join("."), titleOf(effect)];
-  return words3.includes(title) ? words3 : `${words3} (${title})`;
+  const [words4, title] = [meanings[name] || own.join("."), titleOf(effect)];
+  return words4.includes(title) ? words4 : `${words4} (${title})`;
 }
-function named(words3, id) {
-  return make("span", { text: words3, title: words3 === id ? null : id });
+function named(words4, id) {
+  return make("span", { text: words4, title: words4 === id ? null : id });
 }
 function listed(effects, between3) {
   return effects.flatMap((effect, at) => [at > 0 ? between3 : "", named(titleOf(effect), effect)]);
@@ -149,8 +149,8 @@ function scaleOf(unit, about2) {
   return own ? { factor: torque.factor, unit: unit.replace(about2.unit, torque.unit) } : { factor: 1, unit };
 }
 function torqueWord(unit) {
-  const words3 = { N: "force", A: "current", V: "voltage", duty: "duty cycle" };
-  return words3[unit] ?? "torque";
+  const words4 = { N: "force", A: "current", V: "voltage", duty: "duty cycle" };
+  return words4[unit] ?? "torque";
 }
 function motionWords({ coordinate }) {
   const [place4, way] = coordinate === "linear" ? ["position", "m"] : ["angle", "rad"];
@@ -189,7 +189,7 @@ function showBranches(place4, state, beside, deeds) {
     const own = done.slice(done.findLastIndex(({ anew }) => anew));
     const changed = own.filter(({ added, dropped }) => added || dropped);
     const changes = changed.map(({ added, dropped }) => added ? `+ ${titleOf(added)}` : `− ${titleOf(dropped ?? "")}`);
-    const words3 = changes.join(" ") || "nothing added";
+    const words4 = changes.join(" ") || "nothing added";
     const card = make(
       "button",
       {
@@ -197,7 +197,7 @@ function showBranches(place4, state, beside, deeds) {
         on: { click: () => deeds.choose(id) }
       },
       make("strong", { text: name }),
-      make("span", { class: "soft", text: words3 }),
+      make("span", { class: "soft", text: words4 }),
       make("span", { class: "figure", text: step ? `${number(step.rmse * scale.factor)} ${scale.unit}` : "–" })
     );
     if (id === state.branch) return make("div", { class: "card" }, card);
@@ -213,6 +213,9 @@ function showBranches(place4, state, beside, deeds) {
   if (focused) {
     place4.querySelector(`[data-beside="${CSS.escape(focused)}"]`)?.focus();
   }
+}
+function capturesOf(node, { branches, active }) {
+  return branches.flatMap(({ steps }) => steps).find((step) => step.node === node)?.captures ?? active;
 }
 
 // src/spectrum.js
@@ -458,7 +461,10 @@ function reachOf({ columns, beside, noise }) {
 function rowsOf(data, view, widest) {
   const { columns, beside } = data;
   const word = torqueWord(data.unit);
+  const slow = data.below_hz ? ` below ${number(data.below_hz)} Hz` : "";
   const model = modelOf(columns.residual, columns.tau);
+  const fitted = counted(model, columns.tau);
+  const unfitted = notCounted(fitted, columns.tau, columns.masked ?? fitted);
   const other = beside ? modelOf(beside.residual, columns.tau) : null;
   const scale = torqueScale(data);
   const [ownLabel, besideLabel] = [columns, beside].map((one) => one ? `residual, ${scale.unit}${beyondWords(one.residual, -1.04 * widest, 1.04 * widest)}` : "");
@@ -466,24 +472,24 @@ function rowsOf(data, view, widest) {
     if (along === "frequency") return { torque: null, residual: alongFrequency(data), beside: null };
     const axis2 = AXES[along];
     const x = axis2.column ? columns[axis2.column] : model;
-    const common = { x, xAxis: axisOf(along, x, data), picked: 0 };
+    const common = { x, xAxis: axisOf(along, along === "time" ? x : counted(model, x), data), picked: 0 };
     const part = view.isolated && axis2.part ? columns[axis2.part] : null;
-    const { measured: measured2, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: model };
+    const { measured: measured2, modelled } = part ? isolated(columns, part) : { measured: fitted, modelled: model };
     const series = [
-      ...along === "time" && columns.masked && !part ? [{ colour: "--masked", chosen: "--chosen", y: columns.masked, strength: 1 }] : [],
+      ...along === "time" ? [{ colour: "--masked", chosen: "--chosen", y: unfitted, strength: 1 }] : [],
       { colour: "--measured", chosen: "--chosen", y: measured2, strength: 0.4 },
       ...view.band && columns.band ? band(modelled, columns.band) : [],
       ...other && !part ? [{ colour: "--beside", chosen: "--beside", y: other, strength: 0.35 }] : [],
       { colour: "--modelled", chosen: "--modelled", y: modelled, strength: 0.35 }
     ];
-    const [lowest, highest] = limits([Float32Array.from(mostLimits(modelled, counted(modelled, measured2)))]);
+    const [lowest, highest] = limits([Float32Array.from(mostLimits(modelled, measured2))]);
     const torque = {
       ...common,
       picked: series.findIndex(({ colour }) => colour === "--measured"),
-      // masked samples are not taken by a brush
+      // what is not fitted is not taken by a brush
       xAxis: { ...common.xAxis, label: "" },
       // where it is chosen it stands already
-      yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}${beyondWords(measured2, lowest, highest)}` },
+      yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}${slow}, ${scale.unit}${beyondWords(measured2, lowest, highest)}` },
       title: part ? `what depends on ${along} alone` : `${word} over ${axis2.words}`,
       series,
       noise: null
@@ -520,8 +526,8 @@ function axisOf(along, x, data) {
   return { low, high, factor: 1, label: labelOf(along, data) };
 }
 function labelOf(along, { unit, coordinate }) {
-  const { words: words3, units } = AXES[along];
-  return `${words3}, ${units ? units[coordinate === "linear" ? 1 : 0] : unit}`;
+  const { words: words4, units } = AXES[along];
+  return `${words4}, ${units ? units[coordinate === "linear" ? 1 : 0] : unit}`;
 }
 function samplesIn({ columns }, { axis: axis2, low, high, direction }) {
   if (axis2 === "frequency") return null;
@@ -539,11 +545,15 @@ var modelOf = remembered((residual, tau) => {
   for (let i = 0; i < tau.length; i++) model[i] = tau[i] - residual[i];
   return model;
 });
-var counted = remembered((model, tau) => {
-  const measured2 = new Float32Array(tau.length);
-  for (let i = 0; i < tau.length; i++) measured2[i] = model[i] === model[i] ? tau[i] : NaN;
-  return measured2;
-});
+var countedIn = /* @__PURE__ */ new WeakMap();
+function counted(model, column) {
+  const known2 = countedIn.get(model) ?? remembered((values) => values.map((value, i) => model[i] === model[i] ? value : NaN));
+  countedIn.set(model, known2);
+  return known2(column);
+}
+var notCounted = remembered(
+  (fitted, tau, masked) => fitted.map((value, i) => value === value ? NaN : masked[i] === masked[i] ? masked[i] : tau[i])
+);
 var span = remembered((x) => limits([x], { air: 0.01 }));
 function short(name) {
   return name.length > NAME ? `${name.slice(0, NAME)}…` : name;
@@ -591,9 +601,9 @@ function sentence(parts, about2) {
 }
 function nodes(parts, about2) {
   return parts.map((part) => {
-    const words3 = wordsOfPart(part, about2);
-    if (typeof part === "object" && "effect" in part) return named(words3, part.effect);
-    return typeof part === "object" && "param" in part ? named(words3, part.param) : words3;
+    const words4 = wordsOfPart(part, about2);
+    if (typeof part === "object" && "effect" in part) return named(words4, part.effect);
+    return typeof part === "object" && "param" in part ? named(words4, part.param) : words4;
   });
 }
 function adviceOf({ advice, way }) {
@@ -617,8 +627,8 @@ function axisWord(axis2) {
 }
 function columnWord(column, about2) {
   const { theta, omega, alpha } = motionWords(about2);
-  const words3 = { t: "time", theta: theta.name, omega: omega.name, alpha: alpha.name, tau: torqueWord(about2.unit) };
-  return words3[column] ?? column;
+  const words4 = { t: "time", theta: theta.name, omega: omega.name, alpha: alpha.name, tau: torqueWord(about2.unit) };
+  return words4[column] ?? column;
 }
 
 // src/captures.js
@@ -718,16 +728,16 @@ function alikeInAll([first, ...others]) {
 var keyOf = ({ said }) => JSON.stringify(said);
 function folded(items, told, open) {
   const kinds = Map.groupBy(told, ({ severity, overruled }) => overruled ? "overruled" : severity);
-  const words3 = [...kinds].map(([kind, those]) => `${those.length} ${PLURAL[kind] && those.length > 1 ? PLURAL[kind] : kind}`);
+  const words4 = [...kinds].map(([kind, those]) => `${those.length} ${PLURAL[kind] && those.length > 1 ? PLURAL[kind] : kind}`);
   const doubtful = told.some((one) => !isNote(one) && !one.overruled);
-  const summary = make("summary", { class: doubtful ? "doubt" : "soft", text: `${doubtful ? "⚠ " : ""}${told.length} findings: ${words3.join(", ")}` });
+  const summary = make("summary", { class: doubtful ? "doubt" : "soft", text: `${doubtful ? "⚠ " : ""}${told.length} findings: ${words4.join(", ")}` });
   return make("li", {}, make("details", { open }, summary, make("ul", {}, ...items)));
 }
 function finding(found2, { id, name, job }, about2, { see, overrule }) {
   const { key: key2, overruled, stands, seen: seen2 } = found2;
   const [text, note] = [textOf(found2, about2), isNote(found2)];
   const said = `${note || overruled ? "" : "⚠ "}${name}${text}`;
-  const words3 = seen2 ? make("button", { type: "button", class: "leads", title: "show its samples", text: said, on: { click: () => see(id, key2) } }) : make("span", { text: said });
+  const words4 = seen2 ? make("button", { type: "button", class: "leads", title: "show its samples", text: said, on: { click: () => see(id, key2) } }) : make("span", { text: said });
   const box = make("input", {
     ...{ type: "checkbox", role: "switch", checked: !overruled, disabled: stands !== "", "data-finding": `${name}${key2}` },
     "aria-label": `applied: ${name}${text}`,
@@ -737,7 +747,7 @@ function finding(found2, { id, name, job }, about2, { see, overrule }) {
   });
   const why = stands || "off: nothing is done about it, the samples are taken as they were recorded, and the model is fitted anew";
   const own = note ? null : make("label", { title: why }, box, overruled ? "overruled" : "applied");
-  return make("li", { class: `finding ${note || overruled ? "soft" : "doubt"}` }, words3, own);
+  return make("li", { class: `finding ${note || overruled ? "soft" : "doubt"}` }, words4, own);
 }
 async function samplesOf(capture, finding2, { captures, active }) {
   const before = active.slice(0, active.indexOf(capture));
@@ -996,7 +1006,7 @@ var Candidates = class {
       row.could_be ? make("span", { class: "alike law-of" }, lawOf(row)) : null,
       make("span", { class: "evidence soft", text: evidence(row, about2) }),
       this.untold(row),
-      ...remarks(row).map((words3) => make("span", { class: "alike soft" }, ...words3)),
+      ...remarks(row).map((words4) => make("span", { class: "alike soft" }, ...words4)),
       ...row.implausible.map((why) => make("span", { class: "alike doubt" }, "⚠ ", ...nodes(why, about2)))
     );
   }
@@ -1051,8 +1061,8 @@ var Candidates = class {
   }
 };
 function folded2(items) {
-  const words3 = `${items.length} more: no better than chance, or too little to matter`;
-  return make("details", {}, make("summary", { class: "soft", text: words3 }), make("ul", { class: "candidates" }, ...items));
+  const words4 = `${items.length} more: no better than chance, or too little to matter`;
+  return make("details", {}, make("summary", { class: "soft", text: words4 }), make("ul", { class: "candidates" }, ...items));
 }
 function evidence(row, about2) {
   const chance = row.p_value <= 1e-3 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
@@ -1066,8 +1076,8 @@ function remainder(unexplained, about2) {
   if (!unexplained) return [];
   const { axis: axis2, share, hint } = unexplained;
   const where = sentence(hint, about2);
-  const words3 = `Unexplained over ${sentence([{ along: axis2 }], about2)}: ${percent(share)} of what remains${where ? ` (${where})` : ""}.`;
-  return [make("p", { class: "soft", text: words3 })];
+  const words4 = `Unexplained over ${sentence([{ along: axis2 }], about2)}: ${percent(share)} of what remains${where ? ` (${where})` : ""}.`;
+  return [make("p", { class: "soft", text: words4 })];
 }
 
 // src/section.js
@@ -1245,11 +1255,11 @@ function acting(effect, { data, at, added }) {
   const canvas = make("canvas", { class: "section", role: "img", "aria-label": SEEN2[kindOf(effect)] });
   const slider = make("input", { type: "range", min: 0, max: t.length - 1, step: 1, value: at ?? 0, "aria-label": "moment" });
   const play = make("button", { type: "button", text: "Play", "aria-pressed": "false" });
-  const words3 = make("span", { class: "soft figure" });
+  const words4 = make("span", { class: "soft figure" });
   const element2 = make(
     "div",
     { class: "acting" },
-    ...[canvas, make("div", {}, make("p", { class: "soft", text: SEEN2[kindOf(effect)] }), words3), make("div", { class: "along" }, play, slider)]
+    ...[canvas, make("div", {}, make("p", { class: "soft", text: SEEN2[kindOf(effect)] }), words4), make("div", { class: "along" }, play, slider)]
   );
   let motion = new Motion(data.columns, null);
   let [playing, begun] = [false, { clock: 0, time: 0 }];
@@ -1267,7 +1277,7 @@ function acting(effect, { data, at, added }) {
     );
     const scale = torqueScale(data);
     const torque = motion.added ? `adds ${number(motion.added[now] * scale.factor)} ${scale.unit}` : "what it adds is not weighed here";
-    words3.textContent = `${number(t[now], 4)} s: ${torque}`;
+    words4.textContent = `${number(t[now], 4)} s: ${torque}`;
   };
   const frame = (clock) => {
     if (!playing || !canvas.isConnected || !canvas.closest("dialog[open]")) return run(false);
@@ -1405,11 +1415,11 @@ function ofLimits(said, about2) {
 }
 function inFormWords(said, about2) {
   const pairs = Object.entries(limitWords(about2));
-  return pairs.reduce((words3, [name, called]) => words3.replaceAll(name, `“${called}”`), said);
+  return pairs.reduce((words4, [name, called]) => words4.replaceAll(name, `“${called}”`), said);
 }
 function bars({ names, d, standard_d, wrong_choice, came }, about2, told) {
   const share = (value) => `${100 * Math.log(Math.min(Math.max(value, LEAST_D), MOST_D) / LEAST_D) / Math.log(MOST_D / LEAST_D)}%`;
-  const row = (words3, value, name) => {
+  const row = (words4, value, name) => {
     const bar2 = make("span", { class: `bar ${name}` });
     const line2 = make("span", { class: "told" });
     bar2.style.width = share(value);
@@ -1417,7 +1427,7 @@ function bars({ names, d, standard_d, wrong_choice, came }, about2, told) {
     return make(
       "div",
       { class: "evidence-line" },
-      make("span", { class: "label", text: words3 }),
+      make("span", { class: "label", text: words4 }),
       make("span", { class: "track" }, bar2, line2),
       make("span", { class: "figure", text: value > MOST_D ? `> ${MOST_D}` : number(value), title: number(value) })
     );
@@ -1830,6 +1840,19 @@ function standingWords({ wrong, found: found2, hidden, solved }) {
   return `In this knob ${many}${found2 > 0 ? `, ${found2} of them found` : ""}. Look where the residual has structure, and add what explains it${costs}.`;
 }
 
+// src/job.js
+function showJob(job) {
+  byId("job").hidden = job === null;
+  if (!job) return;
+  byId("job-what").textContent = job.what;
+  const bar2 = (
+    /** @type {HTMLProgressElement} */
+    byId("job-done")
+  );
+  if (job.done === null) bar2.removeAttribute("value");
+  else bar2.value = job.done;
+}
+
 // src/keys.js
 var WITHOUT_LETTERS = /* @__PURE__ */ new Set(["range", "checkbox", "radio"]);
 function keys({ stop, clear, closer }) {
@@ -1941,6 +1964,67 @@ function latest(work) {
       busy = false;
     }
   };
+}
+
+// src/leaving.js
+var MOST = 1e3;
+function leaving(linked, state, leave) {
+  const button = (
+    /** @type {HTMLButtonElement} */
+    byId("leave-out")
+  );
+  const now = () => {
+    const known2 = state();
+    return known2 && linked.data && linked.chosen ? runsOf(linked.chosen, linked.data.columns.t, stretchOf(linked), known2) : {};
+  };
+  button.addEventListener("click", () => {
+    const runs = now();
+    if (Object.keys(runs).length > 0) leave(runs);
+  });
+  return () => {
+    const runs = now();
+    const every = Object.values(runs);
+    button.hidden = every.length === 0;
+    button.disabled = every.some((one) => one.length > MOST);
+    button.textContent = linked.data ? words2(every.flat(), linked.data) : "";
+    button.title = button.disabled ? "too many single samples: brush a stretch of time" : "nothing is fitted to them any more, and the model is fitted anew; Undo takes them in again";
+  };
+}
+function stretchOf(linked) {
+  const { brushed } = linked;
+  return brushed && linked.axes[Math.floor(brushed.plot / 3)] === "time" ? brushed.x : null;
+}
+function runsOf(chosen, t, stretch2, { captures, active }) {
+  const runs = {};
+  const out = new Uint8Array(t.length);
+  if (stretch2) for (let i = 0; i < t.length; i++) out[i] = Number(t[i] >= stretch2[0] && t[i] <= stretch2[1]);
+  else for (const at of chosen) out[at] = 1;
+  let start = 0;
+  for (const id of active) {
+    const end = start + (captures.find((one) => one.id === id)?.samples ?? 0);
+    for (let i = start; i < end; i++) {
+      if (!out[i]) continue;
+      const first = i;
+      while (i + 1 < end && out[i + 1]) i++;
+      (runs[id] ??= []).push([first - start, i - start]);
+    }
+    start = end;
+  }
+  return runs;
+}
+function words2(runs, { several, columns: { t } }) {
+  if (runs.length > 1) return `Leave these out, ${thousands(runs.length)} stretches`;
+  if (several || runs.length === 0) return "Leave these out";
+  const [from, to] = runs[0].map((at) => number(t[at], 4));
+  return `Leave out ${from} to ${to} s`;
+}
+
+// src/legend.js
+function showLegend({ below_hz: edge, unit }, { masked, residual }, beside) {
+  byId("beside").hidden = beside === null;
+  byId("beside-name").textContent = beside ?? "";
+  byId("masked").hidden = !(masked && residual.some((value) => value !== value));
+  byId("measured").title = edge === null ? "as it was recorded" : `the recorded ${torqueWord(unit)} below ${number(edge)} Hz: a filter takes off what is faster, of the modelled one too`;
 }
 
 // src/curve.js
@@ -2109,16 +2193,16 @@ var Laws = class {
         return this.deeds.look(null);
       }
       const now = this.typing;
-      const words3 = await this.deeds.attempt(formula, ({ rmse, rmse_heldout, words: params }) => {
+      const words4 = await this.deeds.attempt(formula, ({ rmse, rmse_heldout, words: params }) => {
         if (now !== this.typing || !this.about) return;
         const scale = torqueScale(this.about);
         const unseen = rmse_heldout === null ? "" : `, ${number(rmse_heldout * scale.factor)} on unseen blocks`;
         said.className = "";
         said.textContent = `would leave ${number(rmse * scale.factor)} ${scale.unit}${unseen}; ${params.join("; ")}`;
       });
-      if (now !== this.typing || words3 === "") return void 0;
+      if (now !== this.typing || words4 === "") return void 0;
       said.className = "doubt";
-      said.textContent = words3;
+      said.textContent = words4;
       return void 0;
     }, TYPED_MS);
   }
@@ -2133,9 +2217,9 @@ var Laws = class {
       byId("curve-plot")
     );
     drawCurve(canvas, curve, this.about, looked);
-    const words3 = curveWords(curve, looked);
-    byId("curve-words").textContent = words3;
-    canvas.setAttribute("aria-label", words3);
+    const words4 = curveWords(curve, looked);
+    byId("curve-words").textContent = words4;
+    canvas.setAttribute("aria-label", words4);
   }
   /** @param {number} looked from 1; of a law of fewer variables, the first that has a map stays beside */
   drawMaps(looked) {
@@ -2143,8 +2227,8 @@ var Laws = class {
     byId("surface").hidden = surface === null;
     if (!surface || !this.about) return;
     const law = surface.laws[looked - 1] ? looked : surface.laws.findIndex((one) => one !== null) + 1;
-    const words3 = surfaceWords(surface, this.about);
-    byId("surface-words").textContent = words3;
+    const words4 = surfaceWords(surface, this.about);
+    byId("surface-words").textContent = words4;
     for (
       const [id, shown2] of
       /** @type {const} */
@@ -2155,7 +2239,7 @@ var Laws = class {
         byId(id)
       );
       drawSurface(canvas, surface, this.about, shown2);
-      canvas.setAttribute("aria-label", `${shown2 === null ? "what is left" : `what law ${shown2} makes of it`}. ${words3}`);
+      canvas.setAttribute("aria-label", `${shown2 === null ? "what is left" : `what law ${shown2} makes of it`}. ${words4}`);
     }
   }
   /** @param {State} state */
@@ -2186,7 +2270,7 @@ var Laws = class {
     }
   }
   /** @param {Law} row @param {number} number @param {number} rmse what is left without it */
-  item({ label, law, words: words3, rmse: left, start }, number2, rmse) {
+  item({ label, law, words: words4, rmse: left, start }, number2, rmse) {
     const edit = make("button", {
       ...{ type: "button", text: "Edit…", "aria-label": `edit law ${number2}`, title: "as a formula of your own" },
       on: { click: () => edited(law, start) }
@@ -2221,7 +2305,7 @@ var Laws = class {
       { class: "law", on: { pointerenter: look, pointerleave: away, focusin: look, focusout: away } },
       make("code", { text: `${number2}. ${label}` }),
       make("span", { class: "figure", text: percent(left / rmse - 1), title: "fall of the RMS error" }),
-      make("span", { class: "soft", text: words3.join("; ") }),
+      make("span", { class: "soft", text: words4.join("; ") }),
       form
     );
   }
@@ -2245,12 +2329,12 @@ var REST_MS = 300;
 function showLeft(left, { go, anew }) {
   byId("left-behind").hidden = left.length === 0;
   const rows = left.map(
-    (one) => one.wrong === null ? make("li", {}, make("button", { type: "button", class: "main", on: { click: () => go(one.id) } }, "Continue"), ` ${words2(one)}`) : make("li", { class: "wrong", text: one.wrong })
+    (one) => one.wrong === null ? make("li", {}, make("button", { type: "button", class: "main", on: { click: () => go(one.id) } }, "Continue"), ` ${words3(one)}`) : make("li", { class: "wrong", text: one.wrong })
   );
   const other = make("button", { type: "button", on: { click: anew } }, "Start anew");
   byId("left-rows").replaceChildren(...rows, make("li", {}, other));
 }
-function words2({ captures, steps, ended, when }) {
+function words3({ captures, steps, ended, when }) {
   const at = when === null ? "" : new Date(1e3 * when).toLocaleString();
   const fits = steps === 1 ? "one fit" : `${steps} fits`;
   return `${captures.join(", ")}: ${fits}, ${ended ? "ended" : "broken off"} ${at}`;
@@ -2815,12 +2899,12 @@ function fewBetween(x, { low, high }) {
 
 // src/settling.js
 var LASTS_MS = 700;
-var MOST = 6e4;
+var MOST2 = 6e4;
 function movesFrom(before, now) {
   const from = before?.columns.residual;
   const same = before?.columns.t === now.columns.t && from !== now.columns.residual && before?.fitted && now.fitted;
   const still = globalThis.matchMedia?.("(prefers-reduced-motion: reduce)").matches ?? true;
-  return from && same && !still && from.length <= MOST ? from : null;
+  return from && same && !still && from.length <= MOST2 ? from : null;
 }
 function between2(from, to, share) {
   return to.map((value, i) => from[i] === from[i] ? from[i] + share * (value - from[i]) : value);
@@ -2960,7 +3044,7 @@ var Linked = class {
    */
   show(data, view) {
     const { columns } = data;
-    if (this.data && this.data.columns.t.length !== columns.t.length) {
+    if (this.data && (this.data.columns.t.length !== columns.t.length || this.data.of !== data.of)) {
       this.clear();
       this.moment.none();
       this.seen.fill(null);
@@ -3205,12 +3289,12 @@ var Linked = class {
     const count = `${thousands(chosen.length)} ${chosen.length === 1 ? "sample" : "samples"} chosen, ${part} of all`;
     if (share.counted === 0 && chosen.length > 0) return this.told(`${count}: nothing is fitted to them`);
     const own = chosen.length > 0 ? ` (${rms(share.rms)})` : "";
-    let words3 = `${count}: they have ${percent(share.ofError)} of the squared error${own}`;
+    let words4 = `${count}: they have ${percent(share.ofError)} of the squared error${own}`;
     if (data.beside && chosen.length > 0) {
       const { sum, count: counted2 } = chosenSquares(data.beside.residual, chosen);
-      words3 += `; in ${data.beside.name}: ${rms(Math.sqrt(sum / Math.max(1, counted2)))}`;
+      words4 += `; in ${data.beside.name}: ${rms(Math.sqrt(sum / Math.max(1, counted2)))}`;
     }
-    return this.told(words3);
+    return this.told(words4);
   }
 };
 function picker(at, picked) {
@@ -3942,11 +4026,11 @@ var Within = class {
     const shown2 = JSON.stringify([unit, this.all]);
     if (shown2 === this.shown) return;
     this.shown = shown2;
-    const words3 = limitWords(about2);
+    const words4 = limitWords(about2);
     for (const field3 of this.fields) {
       const value = this.all[field3.name];
       field3.value = value === void 0 ? "" : String(rounded(value));
-      if (field3.name in words3 && field3.previousElementSibling) field3.previousElementSibling.textContent = words3[field3.name];
+      if (field3.name in words4 && field3.previousElementSibling) field3.previousElementSibling.textContent = words4[field3.name];
     }
     const own = Object.keys(this.wanted).length;
     byId("next-whose").textContent = own === 0 ? ": what the captures reached" : `: ${own} of your own`;
@@ -4052,11 +4136,11 @@ var Next = class {
       this.open();
       return true;
     } catch (reason2) {
-      const words3 = this.state ? ofLimits(wordsOf(reason2), aboutOf(this.state)) : "";
+      const words4 = this.state ? ofLimits(wordsOf(reason2), aboutOf(this.state)) : "";
       this.deeds.failed(reason2);
-      if (words3.startsWith("limits")) {
+      if (words4.startsWith("limits")) {
         this.open();
-        this.refuse(words3, reason2 instanceof Refusal ? reason2.enough : null);
+        this.refuse(words4, reason2 instanceof Refusal ? reason2.enough : null);
       }
       return false;
     } finally {
@@ -4068,9 +4152,9 @@ var Next = class {
    * @param {string} words
    * @param {import("./types.js").Enough | null} [enough]
    */
-  refuse(words3, enough = this.told?.change ?? null) {
-    byId("next-refused").textContent = words3;
-    if (words3) byId("next-within").open = true;
+  refuse(words4, enough = this.told?.change ?? null) {
+    byId("next-refused").textContent = words4;
+    if (words4) byId("next-within").open = true;
     if (this.state) this.within.offer(enough, this.state);
   }
   /** What makes another one waits for this one. @param {boolean} free */
@@ -4092,6 +4176,7 @@ var Next = class {
   /** @param {State} state */
   show(state) {
     this.state = state;
+    showUntold(byId("untold"), state, (effects) => this.design(effects));
     const { experiment, node, recording, candidates } = state;
     byId("next-line").hidden = experiment === null && !(candidates.ready && node !== null);
     byId("next-show").textContent = experiment ? "Next experiment…" : "What to record next…";
@@ -4139,7 +4224,7 @@ var Next = class {
     const led = tempi.size === 1 ? ` at ${[...tempi][0]} beats a minute` : "";
     byId("next-can").textContent = by_hand ? `By hand, led by a metronome${led}` : "For a motor";
     byId("next-no-hand").hidden = by_hand;
-    byId("next-steps").replaceChildren(...(by_hand ? steps : []).map(({ words: words3 }) => make("li", {}, words3)));
+    byId("next-steps").replaceChildren(...(by_hand ? steps : []).map(({ words: words4 }) => make("li", {}, words4)));
   }
   /** @param {Experiment} experiment @param {State} state */
   async load(experiment, { node, active }) {
@@ -4157,15 +4242,15 @@ var Next = class {
   draw() {
     const { motion, recorded = [], state } = this;
     if (!motion || !state?.experiment || byId("next").hidden) return;
-    const words3 = motionWords(aboutOf(state));
+    const words4 = motionWords(aboutOf(state));
     const both = (name) => [...recorded.map((part) => part[name]), motion[name]];
     const since = recorded.map(({ t }) => t.map((value) => value - (t[0] ?? 0)));
     const [over, across] = ["theta", "omega"].map((name) => ({ y: both(name), name }));
     for (const [at, { y, name }] of [over, across].entries()) {
       const x = at === 0 ? [...since, motion.t] : both("theta");
-      const label = (one) => `${words3[one].name}, ${words3[one].unit}`;
+      const label = (one) => `${words4[one].name}, ${words4[one].unit}`;
       this.plots[at].show({
-        title: at === 0 ? `${words3.theta.name} over time` : `velocity over ${words3.theta.name}`,
+        title: at === 0 ? `${words4.theta.name} over time` : `velocity over ${words4.theta.name}`,
         ...clouds(x, y, ["--measured", "--signature"]),
         xAxis: at === 0 ? axis(limits(x), "time, s") : seen(x, label("theta")),
         yAxis: seen(y, label(
@@ -4213,7 +4298,7 @@ var Next = class {
     byId("rig-warning").hidden = by_hand;
     try {
       const known2 = await ask("sources");
-      byId("rig-ports").replaceChildren(...known2.ports.map(({ port: port2, words: words3 }) => make("option", { value: port2, text: words3 })));
+      byId("rig-ports").replaceChildren(...known2.ports.map(({ port: port2, words: words4 }) => make("option", { value: port2, text: words4 })));
       const [port, folder] = ["port", "folder"].map((name) => field("rig-form", name));
       if (!port.value && known2.ports.length === 1) port.value = known2.ports[0].port;
       if (!folder.value) folder.value = known2.folder;
@@ -4470,9 +4555,9 @@ var Params = class {
     );
   }
   /** What a parameter is, below it. @param {Param} param */
-  meaning({ name, meaning: words3 }) {
-    if (!words3) return "";
-    return make("tr", {}, make("td", { class: "meaning soft", colspan: 4 }, words3, this.rows.get(name)?.apart ?? ""));
+  meaning({ name, meaning: words4 }) {
+    if (!words4) return "";
+    return make("tr", {}, make("td", { class: "meaning soft", colspan: 4 }, words4, this.rows.get(name)?.apart ?? ""));
   }
   /** @param {string} name */
   drag(name) {
@@ -4552,7 +4637,7 @@ function sources(heard) {
     byId("new-effects").hidden = valueOf(form, "hides") !== "chosen";
     go.textContent = source === "simulated" ? "Simulate" : "Record";
     if (!known2) return;
-    fill(form, "motion", Object.entries(known2.motions[source]).map(([name, words3]) => [name, `${name}: ${words3}`]));
+    fill(form, "motion", Object.entries(known2.motions[source]).map(([name, words4]) => [name, `${name}: ${words4}`]));
     byId("new-warning").hidden ||= valueOf(form, "motion") === "hand" && !valueOf(form, "model").trim();
     const level = levelOf(form);
     for (const name of ["knob", "motion", "duration_s", "seed"]) field2(form, name).disabled = level !== "";
@@ -4574,11 +4659,11 @@ function sources(heard) {
     } finally {
       byId("new-doing").textContent = "";
     }
-    fill(form, "knob", known2.knobs.map(({ name, words: words3 }) => [name, words3]), "knob3");
+    fill(form, "knob", known2.knobs.map(({ name, words: words4 }) => [name, words4]), "knob3");
     const { hideable } = known2.knobs[0];
     const every = [.../* @__PURE__ */ new Set([...hideable, ...known2.knobs.flatMap((knob2) => knob2.hideable)])];
     if (!byId("new-effects").querySelector("input")) byId("new-effects").append(...every.map(effectBox(known2)));
-    byId("new-ports").replaceChildren(...known2.ports.map(({ port: port2, words: words3 }) => make("option", { value: port2, text: words3 })));
+    byId("new-ports").replaceChildren(...known2.ports.map(({ port: port2, words: words4 }) => make("option", { value: port2, text: words4 })));
     byId("new-found").textContent = found(known2.ports);
     const port = field2(form, "port");
     const typing = document.activeElement === port;
@@ -4674,7 +4759,7 @@ function effectBox({ effects: shows, titles: titles2 }) {
 }
 function found(ports) {
   if (ports.length === 0) return "This computer has no serial port now; a path can be typed all the same.";
-  return ports.map(({ port, words: words3 }) => words3 && words3 !== "n/a" ? `${port} (${words3})` : port).join(", ");
+  return ports.map(({ port, words: words4 }) => words4 && words4 !== "n/a" ? `${port} (${words4})` : port).join(", ");
 }
 function fill(form, name, choices, first) {
   const list = (
@@ -4722,8 +4807,8 @@ function showVerdict(element2, { concluded, verdict, candidates, titles: titles2
     worst
   );
   const shown2 = (part) => {
-    const [words3, leads] = [wordsOfPart(part, about2), leadOf(part, place4, candidates, to)];
-    return leads ? link({ words: words3, ...leads }) : words3;
+    const [words4, leads] = [wordsOfPart(part, about2), leadOf(part, place4, candidates, to)];
+    return leads ? link({ words: words4, ...leads }) : words4;
   };
   const first = plainly(candidates, about2, to).map((part) => typeof part === "string" ? part : link(part));
   const head2 = [...first, ...concluded.map(shown2)];
@@ -4740,12 +4825,12 @@ function leadOf(part, place4, { rows }, to) {
 function towards(effect, to) {
   return { title: `what it would explain (${effect})`, go: () => to.effect(effect) };
 }
-function link({ words: words3, title, go, kind = "" }) {
+function link({ words: words4, title, go, kind = "" }) {
   const click = (event) => {
     event.preventDefault();
     go();
   };
-  return make("a", { class: `leads ${kind}`.trim(), href: "#plots", title, text: words3, on: { click } });
+  return make("a", { class: `leads ${kind}`.trim(), href: "#plots", title, text: words4, on: { click } });
 }
 function plainly({ ready, rows }, about2, to) {
   const first = ready ? rows.find(({ could_be: could }) => could) : void 0;
@@ -4782,14 +4867,18 @@ var App = class {
     this.looks = new Looking(() => ({ view: this.view, beside: this.beside, brush: this.linked.brushed }));
     this.brushedThen = null;
     this.linked = new Linked(
-      (words3) => {
-        byId("chosen").textContent = words3 ?? BRUSH_HINT;
+      (words4) => {
+        byId("chosen").textContent = words4 ?? BRUSH_HINT;
+        this.leavable?.();
         this.looks.changed();
       },
       (axes) => this.see({ axes }),
       { fetched: true, pointed: showMoment }
     );
     byId("plots").append(this.linked.element);
+    this.leavable = leaving(this.linked, () => this.state, async (runs) => {
+      if (await this.ask("leave-out", { runs }, "data")) this.linked.clear();
+    });
     this.overlay = new Overlay(this.store, this.linked, () => this.state, (reason2) => this.failed(reason2));
     this.refresh = latest((revision) => this.load(revision));
     this.drag = latest(async (values) => {
@@ -4833,7 +4922,7 @@ var App = class {
     const heard = {
       done: () => this.refresh(Infinity),
       failed: (reason2) => this.failed(reason2),
-      say: (words3) => this.say(words3)
+      say: (words4) => this.say(words4)
     };
     this.askOf = opening(heard);
     saving(heard);
@@ -4924,7 +5013,7 @@ var App = class {
     try {
       const answer = await post(verb, body);
       this.say("");
-      if (answer.node && this.state?.node) this.expect(answer.node, this.state.active);
+      if (answer.node && this.state?.node && deed !== "data") this.expect(answer.node, capturesOf(answer.node, this.state));
       if (answer.revision !== void 0) this.refresh(answer.revision);
       return answer;
     } catch (reason2) {
@@ -4997,7 +5086,6 @@ var App = class {
     this.laws.show(state);
     this.any.show(state.absent);
     this.next.show(state);
-    showUntold(byId("untold"), state, (effects) => this.next.design(effects));
     this.showJob(state.job);
     const branch = state.branches.find(({ id }) => id === state.branch);
     enable("undo", (branch?.at ?? 0) > 0);
@@ -5036,11 +5124,11 @@ var App = class {
     const fitted = !state.params.some(({ dragged }) => dragged);
     const name = state.branches.find(({ id }) => id === state.branch)?.name;
     const beside = other && rest ? { name: other.name, residual: rest.residual } : null;
-    this.legend(beside?.name ?? null);
-    byId("masked").hidden = !columns.masked?.some((value) => value === value);
+    showLegend(state, columns, beside?.name ?? null);
     const splits = fitted ? this.store.splits.get(node) : [];
     const noise = state.noise_floor;
-    const data = { several: active.length > 1, columns, ...aboutOf(state), noise, fitted, name, beside, splits };
+    const of = String(state.captures.filter(({ id }) => active.includes(id)).map((one) => one.name));
+    const data = { several: active.length > 1, of, below_hz: state.below_hz, columns, ...aboutOf(state), noise, fitted, name, beside, splits };
     timed(what, () => {
       this.linked.show(data, view);
       if (this.brushedThen) this.linked.brushAgain(this.brushedThen);
@@ -5064,11 +5152,6 @@ var App = class {
       }
     });
   }
-  /** @param {string | null} name of the branch beside, null for none */
-  legend(name) {
-    byId("beside").hidden = name === null;
-    byId("beside-name").textContent = name ?? "";
-  }
   /** Show what an effect is, moved as the capture moved. @param {import("./types.js").Effect} effect */
   about(effect) {
     const { state } = this;
@@ -5084,15 +5167,7 @@ var App = class {
   /** @param {Job | null} job */
   showJob(job) {
     this.job = job;
-    byId("job").hidden = job === null;
-    if (!job) return;
-    byId("job-what").textContent = job.what;
-    const bar2 = (
-      /** @type {HTMLProgressElement} */
-      byId("job-done")
-    );
-    if (job.done === null) bar2.removeAttribute("value");
-    else bar2.value = job.done;
+    showJob(job);
   }
   /** @param {Job} job */
   showRecording({ what, done }) {
@@ -5101,8 +5176,8 @@ var App = class {
     if (done !== null && !this.live?.following) this.live?.follow();
   }
   /** @param {string} words */
-  say(words3) {
-    byId("said").textContent = words3;
+  say(words4) {
+    byId("said").textContent = words4;
     byId("said").classList.remove("wrong");
   }
   /** @param {unknown} reason */
