@@ -72,7 +72,7 @@ export function runsOf(chosen, t, stretch, { captures, active }) {
 
 /** @param {[number, number][]} runs @param {import("./contents.js").Data} data */
 function words(runs, { several, columns: { t } }) {
-  if (runs.length > 1) return `Leave these out, ${thousands(runs.length)} stretches`;
+  if (runs.length > 1) return `Leave out ${thousands(runs.length)} stretches`;
   if (several || runs.length === 0) return "Leave these out"; // of several captures each has a time of its own
   const [from, to] = runs[0].map((at) => number(t[at], 4));
   return `Leave out ${from} to ${to} s`;

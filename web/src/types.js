@@ -157,6 +157,8 @@
 
 /**
  * An effect that could be missing, with what speaks for it and against it; `said` is `word` in words.
+ *
+ * `unsettled` says which of its values are not determined, where that is most of them.
  * @typedef {{effect: string, place: string, law: string, source: string, shows: string, confused: string[],
  *   title: string, name: string, about: string, causes: string[], remedies: string[], latex: string, over: string,
  *   friction: boolean,
@@ -165,7 +167,7 @@
  *   could_be: boolean, beyond_chance: boolean, p_value: number, error_fall: number, rmse_heldout: number | null,
  *   moved: Record<string, Movement>, equivalent: string[],
  *   implausible: ((string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[])[],
- *   note: string}} Candidate
+ *   unsettled: string, note: string}} Candidate
  */
 
 /**
@@ -182,8 +184,10 @@
 
 /**
  * What would explain what no effect does, in words; `law` and its values as one types them to `start`.
- * @typedef {{label: string, rmse: number, rmse_heldout: number | null, law: string, words: string[],
- *   start: string}} Law
+ *
+ * `variables` are what it is of; `doubt` says which of its values are not determined, if any.
+ * @typedef {{label: string, rmse: number, rmse_heldout: number | null, law: string, variables: string[],
+ *   words: string[], doubt: string, start: string}} Law
  */
 
 /**

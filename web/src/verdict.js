@@ -80,15 +80,16 @@ function link({ words, title, go, kind = "" }) {
 export function plainly({ ready, rows }, about, to) {
   const first = ready ? rows.find(({ could_be: could }) => could) : undefined;
   if (!first) return [];
-  const { effect, name, error_fall: fall, equivalent } = first;
+  const { effect, name, error_fall: fall, equivalent, unsettled } = first;
   const said = sentence(first.said, about);
   const lead = (/** @type {string} */ one) => ({ words: titleOf(one), ...towards(one, to) });
   return [
     `${said.slice(0, 1).toUpperCase()}${said.slice(1)}: ${name} (`,
     lead(effect),
     `), which takes ${percent(fall)} off the error. `,
+    ...(unsettled ? [`But ${unsettled}. `] : []),
     { words: "Add it", title: "take it into the model, and fit it", go: () => to.add(effect) },
-    ", and see what is left.",
+    unsettled ? " to see what is left, not for its values." : ", and see what is left.",
     ...(equivalent.length > 0 ? tied(equivalent.map(lead), () => to.apart([effect, ...equivalent])) : []),
   ];
 }

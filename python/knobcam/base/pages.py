@@ -129,7 +129,10 @@ class Movement(TypedDict):
 
 
 class Candidate(Effect):
-    """An effect that could be missing, with what speaks for it and against it; `said` is `word` in words."""
+    """An effect that could be missing, with what speaks for it and against it; `said` is `word` in words.
+
+    `unsettled` says which of its values are not determined, where that is most of them.
+    """
 
     word: Word
     said: list[Part]
@@ -141,6 +144,7 @@ class Candidate(Effect):
     moved: dict[str, Movement]
     equivalent: list[str]
     implausible: list[list[Part]]
+    unsettled: str
     note: str
 
 
@@ -162,10 +166,15 @@ class Candidates(TypedDict):
 
 
 class Law(LadderStep):
-    """What would explain what no effect does, in words; `law` and its values as one types them to `start`."""
+    """What would explain what no effect does, in words; `law` and its values as one types them to `start`.
+
+    `variables` are what it is of; `doubt` says which of its values are not determined, if any.
+    """
 
     law: str
+    variables: list[str]
     words: list[str]
+    doubt: str
     start: str
 
 

@@ -117,6 +117,10 @@ function named(words4, id) {
 function listed(effects, between3) {
   return effects.flatMap((effect, at) => [at > 0 ? between3 : "", named(titleOf(effect), effect)]);
 }
+var SLIDES = { theta: "x", omega: "v", alpha: "dv/dt" };
+function writtenOf(law, coordinate) {
+  return coordinate === "linear" ? law.replaceAll(/\b(theta|omega|alpha)\b/g, (name) => SLIDES[name]) : law;
+}
 
 // src/numbers.js
 function number(value, digits = 3) {
@@ -954,9 +958,11 @@ var Candidates = class {
     this.inside ||= this.place.contains(document.activeElement);
     this.at = 0;
     const could = candidates.rows.filter((row) => row.could_be);
-    this.rows = [...could, ...candidates.rows.filter((row) => !row.could_be)];
+    const rest = candidates.rows.filter((row) => !row.could_be);
+    const ruledOut = rest.filter((row) => row.word === "implausible");
+    this.rows = [...could, ...ruledOut, ...rest.filter((row) => row.word !== "implausible")];
     this.items = this.rows.map((row, at) => this.item(row, at, about2));
-    const others = this.items.slice(could.length);
+    const [out, others] = [this.items.slice(could.length, could.length + ruledOut.length), this.items.slice(could.length + ruledOut.length)];
     const ask2 = make("button", {
       ...{ type: "button", text: "What is missing?", disabled: job !== null || node === null },
       on: { click: () => this.deeds.ask?.() }
@@ -964,9 +970,10 @@ var Candidates = class {
     this.place.replaceChildren(
       ...candidates.ready ? [] : [make("p", { class: "soft" }, job ? `${job.what} …` : ask2)],
       ...candidates.ready && this.items.length === 0 ? [make("p", { class: "well", text: "Nothing is left to be weighed." })] : [],
-      candidates.ready && could.length === 0 && others.length > 0 ? make("p", { class: "soft", text: NOTHING }) : "",
+      candidates.ready && could.length === 0 && this.items.length > 0 ? make("p", { class: "soft", text: NOTHING }) : "",
       make("ul", { "aria-label": "candidates", class: "candidates" }, ...this.items.slice(0, could.length)),
-      others.length > 0 ? folded2(others) : "",
+      out.length > 0 ? folded2(out, `${out.length} ruled out by values that none can have: ${ruledOut.map(outWords).join(", ")}`) : "",
+      others.length > 0 ? folded2(others, `${others.length} more: no better than chance, or too little to matter`) : "",
       ...remainder(candidates.unexplained, about2)
     );
     fitFormulas(this.place);
@@ -1007,6 +1014,7 @@ var Candidates = class {
       make("span", { class: "evidence soft", text: evidence(row, about2) }),
       this.untold(row),
       ...remarks(row).map((words4) => make("span", { class: "alike soft" }, ...words4)),
+      row.could_be && row.unsettled ? make("span", { class: "alike doubt", text: `⚠ ${row.unsettled}` }) : null,
       ...row.implausible.map((why) => make("span", { class: "alike doubt" }, "⚠ ", ...nodes(why, about2)))
     );
   }
@@ -1060,9 +1068,11 @@ var Candidates = class {
     }
   }
 };
-function folded2(items) {
-  const words4 = `${items.length} more: no better than chance, or too little to matter`;
+function folded2(items, words4) {
   return make("details", {}, make("summary", { class: "soft", text: words4 }), make("ul", { class: "candidates" }, ...items));
+}
+function outWords({ effect, error_fall: fall }) {
+  return `${titleOf(effect)} (${percent(-Math.max(0, fall))})`;
 }
 function evidence(row, about2) {
   const chance = row.p_value <= 1e-3 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
@@ -2013,7 +2023,7 @@ function runsOf(chosen, t, stretch2, { captures, active }) {
   return runs;
 }
 function words2(runs, { several, columns: { t } }) {
-  if (runs.length > 1) return `Leave these out, ${thousands(runs.length)} stretches`;
+  if (runs.length > 1) return `Leave out ${thousands(runs.length)} stretches`;
   if (several || runs.length === 0) return "Leave these out";
   const [from, to] = runs[0].map((at) => number(t[at], 4));
   return `Leave out ${from} to ${to} s`;
@@ -2028,7 +2038,7 @@ function showLegend({ below_hz: edge, unit }, { masked, residual }, beside) {
 }
 
 // src/curve.js
-var ALONG = { t: "time", theta: "position", omega: "velocity", alpha: "acceleration", s: "history" };
+var ALONG = { t: "time", theta: "position", omega: "velocity", alpha: "acceleration", s: "history", load: "load" };
 function drawCurve(canvas, curve, about2, looked) {
   const { clientWidth: width, clientHeight: height } = canvas;
   const brush = canvas.getContext("2d");
@@ -2095,6 +2105,13 @@ function overWords(over, about2) {
   if (!along) return over;
   const label = labelOf(along, about2);
   return inside === over ? label : `|${label.replace(", ", "|, ")}`;
+}
+function variableOf(variable) {
+  const along = (
+    /** @type {Record<string, import("./contents.js").Along>} */
+    ALONG[variable]
+  );
+  return along ? AXES[along].words : variable;
 }
 
 // src/surface.js
@@ -2193,12 +2210,12 @@ var Laws = class {
         return this.deeds.look(null);
       }
       const now = this.typing;
-      const words4 = await this.deeds.attempt(formula, ({ rmse, rmse_heldout, words: params }) => {
+      const words4 = await this.deeds.attempt(formula, ({ rmse, rmse_heldout, words: params, doubt }) => {
         if (now !== this.typing || !this.about) return;
         const scale = torqueScale(this.about);
         const unseen = rmse_heldout === null ? "" : `, ${number(rmse_heldout * scale.factor)} on unseen blocks`;
         said.className = "";
-        said.textContent = `would leave ${number(rmse * scale.factor)} ${scale.unit}${unseen}; ${params.join("; ")}`;
+        said.textContent = `would leave ${number(rmse * scale.factor)} ${scale.unit}${unseen}; ${[...params, ...doubt ? [`⚠ ${doubt}`] : []].join("; ")}`;
       });
       if (now !== this.typing || words4 === "") return void 0;
       said.className = "doubt";
@@ -2262,15 +2279,19 @@ var Laws = class {
       });
       this.place.replaceChildren(make("p", {}, ask2));
     } else {
+      const { coordinate } = this.about;
+      const said = proposed_said.map((part) => typeof part === "string" ? writtenOf(part, coordinate) : part);
       const list = proposed.map((law, at) => this.item(law, at + 1, rmse ?? law.rmse));
       this.place.replaceChildren(
-        make("p", { class: "soft small", role: "status" }, ...nodes(proposed_said, this.about)),
+        make("p", { class: "soft small", role: "status" }, ...nodes(said, this.about)),
         ...list.length > 0 ? [make("ul", { class: "laws", "aria-label": "laws that are proposed" }, ...list)] : []
       );
     }
   }
   /** @param {Law} row @param {number} number @param {number} rmse what is left without it */
-  item({ label, law, words: words4, rmse: left, start }, number2, rmse) {
+  item({ label, law, variables, words: words4, doubt, rmse: left, start }, number2, rmse) {
+    const coordinate = this.about?.coordinate ?? "rotary";
+    const of = `of ${variables.map(variableOf).join(", ")}`;
     const edit = make("button", {
       ...{ type: "button", text: "Edit…", "aria-label": `edit law ${number2}`, title: "as a formula of your own" },
       on: { click: () => edited(law, start) }
@@ -2303,9 +2324,10 @@ var Laws = class {
     return make(
       "li",
       { class: "law", on: { pointerenter: look, pointerleave: away, focusin: look, focusout: away } },
-      make("code", { text: `${number2}. ${label}` }),
+      make("code", { text: `${number2}. ${writtenOf(label, coordinate)}`, title: `typed as ${law}` }),
       make("span", { class: "figure", text: percent(left / rmse - 1), title: "fall of the RMS error" }),
-      make("span", { class: "soft", text: words4.join("; ") }),
+      make("span", { class: "soft", text: [...words4, of].join("; ") }),
+      doubt ? make("span", { class: "doubt", text: `⚠ ${doubt}` }) : null,
       form
     );
   }
@@ -4835,15 +4857,16 @@ function link({ words: words4, title, go, kind = "" }) {
 function plainly({ ready, rows }, about2, to) {
   const first = ready ? rows.find(({ could_be: could }) => could) : void 0;
   if (!first) return [];
-  const { effect, name, error_fall: fall, equivalent } = first;
+  const { effect, name, error_fall: fall, equivalent, unsettled } = first;
   const said = sentence(first.said, about2);
   const lead = (one) => ({ words: titleOf(one), ...towards(one, to) });
   return [
     `${said.slice(0, 1).toUpperCase()}${said.slice(1)}: ${name} (`,
     lead(effect),
     `), which takes ${percent(fall)} off the error. `,
+    ...unsettled ? [`But ${unsettled}. `] : [],
     { words: "Add it", title: "take it into the model, and fit it", go: () => to.add(effect) },
-    ", and see what is left.",
+    unsettled ? " to see what is left, not for its values." : ", and see what is left.",
     ...equivalent.length > 0 ? tied(equivalent.map(lead), () => to.apart([effect, ...equivalent])) : []
   ];
 }
