@@ -380,9 +380,9 @@
  *
  * `more`: whether there is another hint; `wrong` effects were added and are not there; of the `hidden` ones
  * so many are `found`, and `solved` says that nothing else is in the model. While it is `sealed` what the
- * program thinks is not shown.
+ * program thinks is not shown; `given_up`: what is hidden was told before it was found.
  * @typedef {{hints: string[], more: boolean, wrong: string[], found: number, hidden: number, solved: boolean,
- *   sealed: boolean, score: number}} Challenge
+ *   given_up: boolean, sealed: boolean, score: number}} Challenge
  */
 
 /**

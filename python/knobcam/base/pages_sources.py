@@ -113,7 +113,7 @@ class Challenge(TypedDict):
 
     `more`: whether there is another hint; `wrong` effects were added and are not there; of the `hidden` ones
     so many are `found`, and `solved` says that nothing else is in the model. While it is `sealed` what the
-    program thinks is not shown.
+    program thinks is not shown; `given_up`: what is hidden was told before it was found.
     """
 
     hints: list[str]
@@ -122,6 +122,7 @@ class Challenge(TypedDict):
     found: int
     hidden: int
     solved: bool
+    given_up: bool
     sealed: bool
     score: int
 

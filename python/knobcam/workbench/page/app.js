@@ -1810,8 +1810,8 @@ var asked = 0;
 function unhiding(failed) {
   byId("unhide").addEventListener("click", async () => {
     try {
-      const told = await Promise.all(hiding.map((capture) => ask("hidden", { capture })));
-      byId("unhidden").textContent = [...new Set(told.map(({ hidden }) => hidden.map(titleOf).join(" and ")))].join("; ");
+      const told = await Promise.all(hiding.map((capture) => post("hidden", { capture })));
+      byId("unhidden").textContent = [...new Set(told.map(({ hidden }) => (hidden ?? []).map(titleOf).join(" and ")))].join("; ");
     } catch (reason2) {
       failed(reason2);
     }
@@ -1833,18 +1833,19 @@ async function showHidden({ captures, active }) {
   const told = await ask("challenge", { capture: now[0] }).catch(() => null);
   if (told && mine === asked) showStanding(told);
 }
-function showStanding({ hints, more, wrong, found: found2, hidden, solved, sealed, score }) {
+function showStanding({ hints, more, wrong, found: found2, hidden, solved, given_up, sealed, score }) {
   document.body.classList.toggle("sealed", sealed);
   byId("unseal").hidden = !sealed;
-  byId("hides").classList.toggle("well", solved);
+  byId("hides").classList.toggle("well", solved && !given_up);
   byId("challenge-score").textContent = `${score} points`;
-  byId("challenge-said").textContent = standingWords({ wrong, found: found2, hidden, solved });
+  byId("challenge-said").textContent = standingWords({ wrong, found: found2, hidden, solved, given_up });
   byId("challenge-hints").replaceChildren(...hints.map((text) => make("li", { text })));
-  byId("hint").disabled = !more || solved;
+  byId("hint").disabled = !more || solved || given_up;
 }
-function standingWords({ wrong, found: found2, hidden, solved }) {
+function standingWords({ wrong, found: found2, hidden, solved, given_up }) {
   const many = hidden === 1 ? "one effect is hidden" : `${hidden} effects are hidden`;
   const costs = wrong.length > 0 ? `; not there: ${wrong.map(titleOf).join(", ")}` : "";
+  if (given_up) return `Given up: ${solved ? "what was hidden is in the model, after it was told" : "add what was hidden, and see the residual become noise"}${costs}.`;
   if (solved) return `Solved: what was hidden is in the model, and nothing that was not${costs}.`;
   if (found2 === hidden) return `All that is hidden is in the model, but so is something else${costs}.`;
   return `In this knob ${many}${found2 > 0 ? `, ${found2} of them found` : ""}. Look where the residual has structure, and add what explains it${costs}.`;
