@@ -111,8 +111,10 @@
 
 /**
  * A fit on the way of a branch; `anew` of a model of its own, not that of the step before.
+ *
+ * `noise_floor`, where it is known, is read from what the model leaves too: it may fall with that.
  * @typedef {{node: string, anew: boolean, added: string | null, dropped: string | null, rmse: number,
- *   rmse_heldout: number | null, captures: string[]}} Step
+ *   rmse_heldout: number | null, noise_floor: number | null, captures: string[]}} Step
  */
 
 /**
@@ -122,7 +124,7 @@
 
 /**
  * A step to what a model brought along to other captures, fitted to these.
- * @typedef {{added: string | null, rmse: number, rmse_heldout: number | null}} Carried
+ * @typedef {{added: string | null, rmse: number, rmse_heldout: number | null, noise_floor: number | null}} Carried
  */
 
 /**
@@ -212,7 +214,8 @@
 /**
  * What a session has; before the first capture there is no node, `proposed` is null until it is asked.
  *
- * Of the effects in each of `untold` one is in the model, not known which. `verdict` is said after what is
+ * Of the effects in each of `untold` one is in the model, not known which. What came in and is not named in
+ * what is said is `added`. `verdict` is said after what is
  * `concluded`, if anything is; `record` is what to record next to see more of what no effect explains.
  * `peak` is the largest torque, `titles` those of all effects. `limits` are those that the captures reached,
  * within which a motion is designed unless others are given; `below_hz` is the edge of the filter that
@@ -220,7 +223,7 @@
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, peak: number,
  *   below_hz: number | null, params: Param[], together: Together[], rmse: number | null,
- *   rmse_heldout: number | null,
+ *   rmse_heldout: number | null, added: string[],
  *   concluded: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   record: string | null, carried: Carried[], ladder: LadderStep[], candidates: Candidates, warnings: string[],
@@ -258,7 +261,7 @@
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, peak: number,
  *   below_hz: number | null, params: Param[], together: Together[], rmse: number | null,
- *   rmse_heldout: number | null,
+ *   rmse_heldout: number | null, added: string[],
  *   concluded: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   record: string | null, carried: Carried[], ladder: LadderStep[], candidates: Candidates, warnings: string[],

@@ -6,7 +6,7 @@ import { labelWithin } from "../src/axes.js";
 import { ticks, unitWords } from "../src/numbers.js";
 import { known, paramOf } from "../src/names.js";
 import { sentence } from "../src/said.js";
-import { plainly } from "../src/verdict.js";
+import { beside, plainly } from "../src/verdict.js";
 
 const KNOB = /** @type {const} */ ({ unit: "N m", peak: 0.02, coordinate: "rotary" });
 
@@ -52,6 +52,14 @@ test("a verdict begins with what is missing in plain words, and with what to do 
   assert.deepEqual(led, ["detent", "detent,position_polynomial"]);
   assert.equal(said({ ready: false, rows: [row] }), "");
   assert.equal(said({ ready: true, rows: [{ ...row, could_be: false }] }), "");
+});
+
+test("a headline says what was added to the model that it is of", () => {
+  known({ titles: { torque_drift: "torque drift" } });
+  assert.deepEqual(beside(["detent", "torque_drift", "law"], ["What is left", " is chance."]), ["With detent, torque drift and law added: ", "what is left", " is chance."]);
+  assert.deepEqual(beside(["torque_drift"], ["Missing: there are detents"]), ["With torque drift added: ", "missing: there are detents"]);
+  assert.deepEqual(beside([], ["Missing"]), ["Missing"]);
+  assert.deepEqual(beside(["detent"], []), []);
 });
 
 test("what to record next waits for what is missing, and says in words what shows more of what has no name", async () => {

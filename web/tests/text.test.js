@@ -97,3 +97,11 @@ test("a law of an axis that slides is written with its position and velocity, an
   assert.equal(writtenOf("a*omega", "rotary"), "a*omega");
   assert.deepEqual(["theta", "omega", "s", "load"].map(variableOf), ["position", "velocity", "distance since reversal", "modelled torque"]);
 });
+
+test("a floor that falls with what the model explains says what it was thought to be", async () => {
+  const { floorWords } = await import("../src/ladder.js");
+  const steps = [{ noise_floor: 0.202 }, { noise_floor: 0.2 }, { noise_floor: 0.08 }];
+  assert.equal(floorWords(steps, 2, String), "0.08 (0.202 seen by the first model)");
+  assert.deepEqual([0, 1].map((at) => floorWords(steps, at, String)), ["0.202", "0.2"]);
+  assert.equal(floorWords([{ noise_floor: null }, { noise_floor: 1 }], 1, String), "1");
+});

@@ -43,7 +43,10 @@ class CaptureInfo(TypedDict):
 
 
 class Step(TypedDict):
-    """A fit on the way of a branch; `anew` of a model of its own, not that of the step before."""
+    """A fit on the way of a branch; `anew` of a model of its own, not that of the step before.
+
+    `noise_floor`, where it is known, is read from what the model leaves too: it may fall with that.
+    """
 
     node: str
     anew: bool
@@ -51,6 +54,7 @@ class Step(TypedDict):
     dropped: str | None
     rmse: float
     rmse_heldout: float | None
+    noise_floor: float | None
     captures: list[str]
 
 
@@ -69,6 +73,7 @@ class Carried(TypedDict):
     added: str | None
     rmse: float
     rmse_heldout: float | None
+    noise_floor: float | None
 
 
 class LadderStep(TypedDict):
@@ -215,7 +220,8 @@ class Splits(TypedDict):
 class Session(TypedDict):
     """What a session has; before the first capture there is no node, `proposed` is null until it is asked.
 
-    Of the effects in each of `untold` one is in the model, not known which. `verdict` is said after what is
+    Of the effects in each of `untold` one is in the model, not known which. What came in and is not named in
+    what is said is `added`. `verdict` is said after what is
     `concluded`, if anything is; `record` is what to record next to see more of what no effect explains.
     `peak` is the largest torque, `titles` those of all effects. `limits` are those that the captures reached,
     within which a motion is designed unless others are given; `below_hz` is the edge of the filter that
@@ -237,6 +243,7 @@ class Session(TypedDict):
     together: list[Together]
     rmse: float | None
     rmse_heldout: float | None
+    added: list[str]
     concluded: list[Part]
     verdict: list[Part]
     record: str | None

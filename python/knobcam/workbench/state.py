@@ -69,11 +69,17 @@ def document(session: Session) -> pages.Session:
         "together": told.together,
         "rmse": view.rmse,
         "rmse_heldout": view.rmse_heldout,
+        "added": _added(steps, story),
         "concluded": [] if story is None else story.headline.document(),
         "verdict": _verdict(steps, diagnosis, story).document(),
         "record": None if story is None else story.record,
         "carried": [
-            {"added": step.added, "rmse": step.rmse, "rmse_heldout": step.rmse_heldout}
+            {
+                "added": step.added,
+                "rmse": step.rmse,
+                "rmse_heldout": step.rmse_heldout,
+                "noise_floor": step.fit.noise_floor,
+            }
             for step in carried(branch.done)
         ],
         "ladder": [
@@ -175,6 +181,7 @@ def _nothing(session: Session) -> pages.Session:
         "together": [],
         "rmse": None,
         "rmse_heldout": None,
+        "added": [],
         "concluded": [],
         "verdict": ["Open a capture to begin."],
         "record": None,
@@ -222,6 +229,7 @@ def _branch(branch: Branch) -> pages.Branch:
                 "dropped": node.effect if node.how == "dropped" else None,
                 "rmse": node.fit.rmse,
                 "rmse_heldout": node.fit.rmse_heldout,
+                "noise_floor": node.fit.noise_floor,
                 "captures": list(node.captures),
             }
             for node in branch.steps
@@ -294,6 +302,14 @@ def _doubt(name: str, estimate: Estimate, plausible: tuple[float, float], view: 
     return out_of_range(estimate, plausible)
 
 
+def _added(steps: list[LearningStep], story: LearningResult | None) -> list[str]:
+    """Return what came into the model and is not named otherwise in what is said of it."""
+    parts = () if story is None else story.headline.parts
+    named = {part.effect for part in parts if isinstance(part, OfEffect)} | {*in_vain(steps)}
+    came = dict.fromkeys(step.added for step in steps if step.added in steps[-1].effects)
+    return [one for one in came if one is not None and one not in named]
+
+
 def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, story: LearningResult | None) -> Said:
     """Return what is said beside what is concluded."""
     vain = _in_vain(in_vain(steps))
@@ -306,7 +322,10 @@ def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, story: Lear
         return joined(" ", (vain, size, beyond and beyond.sentence))
     # Where it is worst is said once.
     told = any(isinstance(part, Stretch) for part in story.headline.parts)
-    return joined(" ", (vain, compared.size if told else compared.summary))
+    # An error like chance's is no proof of a model that no knob can have.
+    against = joined("; ", diagnosis.fit.warnings) if compared.complete and diagnosis.fit.warnings else ""
+    but = said("But {warnings}.", warnings=against) if against else ""
+    return joined(" ", (vain, compared.size if told else compared.summary, but))
 
 
 def _in_vain(effects: list[str]) -> Said | None:

@@ -184,7 +184,7 @@ function comparable({ branches, branch: current, active }, branch) {
   const other = branches.find(({ id }) => id === branch && id !== current);
   return other !== void 0 && other.steps[other.at]?.captures.join() === active.join();
 }
-function showBranches(place4, state, beside, deeds) {
+function showBranches(place4, state, beside2, deeds) {
   const focused = document.activeElement?.getAttribute("data-beside");
   const scale = torqueScale(state);
   const cards = state.branches.map(({ id, name, steps, at }) => {
@@ -207,9 +207,9 @@ function showBranches(place4, state, beside, deeds) {
     if (id === state.branch) return make("div", { class: "card" }, card);
     const there = comparable(state, id);
     const box = make("input", {
-      ...{ type: "checkbox", checked: id === beside, "data-beside": id, disabled: !there },
+      ...{ type: "checkbox", checked: id === beside2, "data-beside": id, disabled: !there },
       ...{ title: there ? null : "it is fitted to other captures, or to the same read otherwise" },
-      on: { change: () => deeds.beside(id === beside ? null : id) }
+      on: { change: () => deeds.beside(id === beside2 ? null : id) }
     });
     return make("div", { class: "card" }, card, make("label", {}, box, " side by side"));
   });
@@ -458,20 +458,20 @@ function columnsOf(view) {
   if (view.band) needed.push("band");
   return needed;
 }
-function reachOf({ columns, beside, noise }) {
-  const shown2 = beside ? [columns.residual, beside.residual] : [columns.residual];
+function reachOf({ columns, beside: beside2, noise }) {
+  const shown2 = beside2 ? [columns.residual, beside2.residual] : [columns.residual];
   return Math.max(...shown2.map((one) => mostReach(one)), 2 * (noise ?? 0)) || 1;
 }
 function rowsOf(data, view, widest) {
-  const { columns, beside } = data;
+  const { columns, beside: beside2 } = data;
   const word = torqueWord(data.unit);
   const slow = data.below_hz ? ` below ${number(data.below_hz)} Hz` : "";
   const model = modelOf(columns.residual, columns.tau);
   const fitted = counted(model, columns.tau);
   const unfitted = notCounted(fitted, columns.tau, columns.masked ?? fitted);
-  const other = beside ? modelOf(beside.residual, columns.tau) : null;
+  const other = beside2 ? modelOf(beside2.residual, columns.tau) : null;
   const scale = torqueScale(data);
-  const [ownLabel, besideLabel] = [columns, beside].map((one) => one ? `residual, ${scale.unit}${beyondWords(one.residual, -1.04 * widest, 1.04 * widest)}` : "");
+  const [ownLabel, besideLabel] = [columns, beside2].map((one) => one ? `residual, ${scale.unit}${beyondWords(one.residual, -1.04 * widest, 1.04 * widest)}` : "");
   return view.axes.map((along) => {
     if (along === "frequency") return { torque: null, residual: alongFrequency(data), beside: null };
     const axis2 = AXES[along];
@@ -505,11 +505,11 @@ function rowsOf(data, view, widest) {
       series: [{ colour, chosen: "--chosen", y, strength: 0.3 }],
       noise: data.noise && 2 * data.noise
     });
-    const own = beside && data.name ? `residual, ${short(data.name)}` : "measured − modelled";
+    const own = beside2 && data.name ? `residual, ${short(data.name)}` : "measured − modelled";
     return {
       torque,
       residual: rest(columns.residual, ownLabel, "--wrong", own),
-      beside: beside ? rest(beside.residual, besideLabel, "--beside", `residual, ${short(beside.name)}`) : null
+      beside: beside2 ? rest(beside2.residual, besideLabel, "--beside", `residual, ${short(beside2.name)}`) : null
     };
   });
 }
@@ -1902,6 +1902,8 @@ function closeMenu(focus) {
 }
 
 // src/ladder.js
+var FLOOR = "What noise alone would leave. It is read from the torque and from what the model leaves of it, where that is quieter: an error that is the same in every stretch passes for noise until the model has what makes it, and then the floor falls.";
+var SAME = 0.1;
 function showLadder(place4, state) {
   const branch = state.branches.find(({ id }) => id === state.branch);
   const key2 = JSON.stringify([branch, state.carried, state.rmse, state.noise_floor, state.unit, state.peak]);
@@ -1910,10 +1912,10 @@ function showLadder(place4, state) {
   const { steps, at: here } = broughtAlong(sameCaptures(branch?.steps ?? [], branch?.at ?? 0), state.carried);
   const errors = steps.flatMap(({ rmse, rmse_heldout }) => [rmse, rmse_heldout]).concat(state.rmse);
   const floor = state.noise_floor;
-  const widest = Math.max(...errors.map((error) => error ?? 0), floor ?? 0) * 1.02;
+  const widest = Math.max(...errors.map((error) => error ?? 0), ...steps.map((step) => step.noise_floor ?? 0)) * 1.02;
   const scale = torqueScale(state);
   const shown2 = (value) => number(value === null ? null : value * scale.factor);
-  const lines = steps.map(({ added, dropped, rmse, rmse_heldout }, at) => {
+  const lines = steps.map(({ added, dropped, rmse, rmse_heldout, noise_floor }, at) => {
     const now = at === here;
     const undone = at > here;
     const label = added ? `+ ${titleOf(added)}` : dropped ? `− ${titleOf(dropped)}` : at === 0 ? "first model" : "fitted anew";
@@ -1922,7 +1924,7 @@ function showLadder(place4, state) {
     bar2.style.width = `${100 * rmse / widest}%`;
     if (now && at > 0) bar2.style.setProperty("--from", `${100 * steps[at - 1].rmse / widest}%`);
     if (rmse_heldout !== null) held.style.left = `${100 * rmse_heldout / widest}%`;
-    const track = make("span", { class: "track" }, bar2, rmse_heldout === null ? null : held, floorMark(floor, widest));
+    const track = make("span", { class: "track" }, bar2, rmse_heldout === null ? null : held, floorMark(noise_floor, widest));
     return make(
       "li",
       { class: `ladder-line${now ? " now" : ""}${undone ? " undone" : ""}`, "aria-current": now ? "step" : null },
@@ -1935,7 +1937,7 @@ function showLadder(place4, state) {
   const head2 = make(
     "div",
     { class: "ladder-line head" },
-    make("span", { class: "legend", text: floor === null ? "noise floor unknown" : `▖noise floor ${shown2(floor)}` }),
+    make("span", { class: "legend", text: floor === null ? "noise floor unknown" : `▖noise floor ${floorWords(steps, here, shown2)}`, title: FLOOR }),
     make("span", { class: "figure", text: `RMS, ${scale.unit}` }),
     make("span", { class: "figure", text: "unseen" })
   );
@@ -1953,6 +1955,11 @@ function sameCaptures(steps, at) {
 function broughtAlong({ steps, at }, carried) {
   const brought = carried.map((one) => ({ ...steps[0], dropped: null, ...one }));
   return brought.length > 1 ? { steps: [...brought, ...steps.slice(1)], at: at + brought.length - 1 } : { steps, at };
+}
+function floorWords(steps, here, shown2) {
+  const [now, first] = [steps[here].noise_floor ?? 0, steps[0].noise_floor ?? 0];
+  const other = now > 0 && first > 0 && Math.abs(now / first - 1) > SAME;
+  return other ? `${shown2(now)} (${shown2(first)} seen by the first model)` : shown2(now);
 }
 function floorMark(floor, widest) {
   if (floor === null) return null;
@@ -2031,9 +2038,9 @@ function words2(runs, { several, columns: { t } }) {
 }
 
 // src/legend.js
-function showLegend({ below_hz: edge, unit }, { masked, residual }, beside) {
-  byId("beside").hidden = beside === null;
-  byId("beside-name").textContent = beside ?? "";
+function showLegend({ below_hz: edge, unit }, { masked, residual }, beside2) {
+  byId("beside").hidden = beside2 === null;
+  byId("beside-name").textContent = beside2 ?? "";
   byId("masked").hidden = !(masked && residual.some((value) => value !== value));
   byId("measured").title = edge === null ? "as it was recorded" : `the recorded ${torqueWord(unit)} below ${number(edge)} Hz: a filter takes off what is faster, of the modelled one too`;
 }
@@ -4820,8 +4827,8 @@ function themed(changed) {
 }
 
 // src/verdict.js
-function showVerdict(element2, { concluded, verdict, candidates, titles: titles2 }, about2, to) {
-  const key2 = JSON.stringify([concluded, verdict, candidates, about2, titles2]);
+function showVerdict(element2, { added, concluded, verdict, candidates, titles: titles2 }, about2, to) {
+  const key2 = JSON.stringify([added, concluded, verdict, candidates, about2, titles2]);
   if (element2.dataset.told === key2) return;
   element2.dataset.told = key2;
   const worst = [...concluded, ...verdict].find((part) => typeof part === "object" && "low" in part);
@@ -4834,8 +4841,16 @@ function showVerdict(element2, { concluded, verdict, candidates, titles: titles2
     return leads ? link({ words: words4, ...leads }) : words4;
   };
   const first = plainly(candidates, about2, to).map((part) => typeof part === "string" ? part : link(part));
-  const head2 = [...first, ...concluded.map(shown2)];
+  const head2 = beside(added, [...first, ...concluded.map(shown2)]);
   element2.replaceChildren(...head2.length > 0 ? [make("strong", {}, ...head2), " "] : [], ...verdict.map(shown2));
+}
+function beside(added, [first, ...rest]) {
+  if (first === void 0) return [];
+  if (added.length === 0) return [first, ...rest];
+  const names = added.map(titleOf);
+  const all = names.length > 1 ? `${names.slice(0, -1).join(", ")} and ${names.at(-1)}` : names[0];
+  const begun = typeof first === "string" ? `${first.slice(0, 1).toLowerCase()}${first.slice(1)}` : first;
+  return [`With ${all} added: `, begun, ...rest];
 }
 function leadOf(part, place4, { rows }, to) {
   if (typeof part === "string") return null;
@@ -5118,7 +5133,7 @@ var App = class {
     enable("new-branch", state.node !== null);
   }
   /** Look at a session as it was looked at. @param {import("./types.js").Looked} looked */
-  lookAgain({ view, beside, brush }) {
+  lookAgain({ view, beside: beside2, brush }) {
     this.view = { ...this.view, ...view };
     for (
       const option of
@@ -5127,7 +5142,7 @@ var App = class {
     ) {
       byId(option).checked = view[option];
     }
-    this.beside = beside;
+    this.beside = beside2;
     this.brushedThen = brush;
   }
   /** @param {State} state */
@@ -5147,12 +5162,12 @@ var App = class {
     this.deed = null;
     const fitted = !state.params.some(({ dragged }) => dragged);
     const name = state.branches.find(({ id }) => id === state.branch)?.name;
-    const beside = other && rest ? { name: other.name, residual: rest.residual } : null;
-    showLegend(state, columns, beside?.name ?? null);
+    const beside2 = other && rest ? { name: other.name, residual: rest.residual } : null;
+    showLegend(state, columns, beside2?.name ?? null);
     const splits = fitted ? this.store.splits.get(node) : [];
     const noise = state.noise_floor;
     const of = String(state.captures.filter(({ id }) => active.includes(id)).map((one) => one.name));
-    const data = { several: active.length > 1, of, below_hz: state.below_hz, columns, ...aboutOf(state), noise, fitted, name, beside, splits };
+    const data = { several: active.length > 1, of, below_hz: state.below_hz, columns, ...aboutOf(state), noise, fitted, name, beside: beside2, splits };
     timed(what, () => {
       this.linked.show(data, view);
       if (this.brushedThen) this.linked.brushAgain(this.brushedThen);
