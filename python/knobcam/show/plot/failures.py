@@ -83,7 +83,7 @@ def shares(axes: Axes, comparison: Comparison) -> None:
     axes.set_xlim(0.0, 112.0)
     axes.set_xticks([0, 25, 50, 75, 100])
     axes.grid(visible=False, axis="y")
-    told = "share of the error beyond noise (%); black: chance stays below"
+    told = "share of the error beyond noise (%), of each axis alone: they overlap\nblack: chance stays below"
     axes.set_xlabel(told if known else "share of the squared error (%), noise and all")
     axes.set_title(plain(_verdict(comparison)), fontweight="bold")
 
@@ -92,7 +92,11 @@ def of_excess(split: Split) -> str:
     """Return what is said of an axis in a title."""
     if split.fails:
         return f"{100.0 * split.share:.0f} % of the excess"
-    return "noise not known" if np.isnan(split.share) else "no more than chance"
+    if np.isnan(split.share):
+        return "noise not known"
+    # Of many bins some are beyond their own band by chance, or by too little to count.
+    beyond = bool(np.any(np.abs(split.mean) > split.band))
+    return "no more than chance, all bins together" if beyond else "no more than chance"
 
 
 def _verdict(comparison: Comparison) -> str:
