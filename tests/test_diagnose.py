@@ -206,6 +206,8 @@ def test_values_of_which_most_may_be_nothing_are_said_not_to_be_determined() -> 
     assert told == "3 of its 5 values are not determined, and may be nothing as well: w2, w3, w4"
     alone = {"presliding.s": one(2.0, 3.0), "presliding.w1": unknown}
     assert unsettled(presliding, alone) == "none of its values is determined: each may be nothing as well"
-    # Of a phase zero is a value like any other, and what is held was not asked.
+    # Of a phase or a place zero is a value like any other, and what is held was not asked.
+    spring = {"return_spring.k": one(0.01, 0.001), "return_spring.theta0": unknown}
+    assert unsettled(kc.effects()["return_spring"], spring) == ""
     waves = {"cogging.n1": held, "cogging.a1": one(0.5, 0.1), "cogging.phi1": one(0.0, 0.3)}
     assert unsettled(ripple, waves) == ""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,17 +27,21 @@ _SHARE = {0.0, 1.0}
 """Bounds of a share, none and all of it, which are as likely as any other."""
 
 
-def unsettled(effect: Effect, estimates: Mapping[str, Estimate]) -> str:
-    """Return which values of an effect its captures do not determine, where that is at least half of them.
+_PLACE = re.compile("phase|rest angle|rest position|stop begins|border|end of the range")
 
-    That is a value whose interval holds zero: as much as nothing of it. Of a phase zero is one as any other.
+
+def unsettled(effect: Effect, estimates: Mapping[str, Estimate]) -> str:
+    """Return which values of an effect its captures do not determine, where that is most of them.
+
+    That is a value whose interval holds zero: as much as nothing of it. Of a phase or a place zero is a value
+    like any other.
     """
     own = {name.partition(".")[2]: one for name, one in estimates.items() if not one.held}
-    sizes = [name for name in own if "phase" not in effect.parameter(name).meaning]
+    sizes = [name for name in own if not _PLACE.search(effect.parameter(name).meaning)]
     unknown = [
         name for name in sizes if not own[name].determined or own[name].ci95[0] <= 0.0 <= own[name].ci95[1]
     ]
-    if not unknown or 2 * len(unknown) < len(sizes):
+    if not unknown or 2 * len(unknown) <= len(sizes):
         return ""
     if len(unknown) == len(sizes):
         return "none of its values is determined: each may be nothing as well"

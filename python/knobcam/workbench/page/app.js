@@ -99,8 +99,8 @@ function shown(element2) {
 // src/names.js
 var titles = {};
 var meanings = {};
-function known({ titles: called, params = [] }) {
-  titles = called;
+function known({ titles: called2, params = [] }) {
+  titles = called2;
   meanings = Object.fromEntries(params.map(({ name, meaning }) => [name, meaning]));
 }
 function titleOf(effect) {
@@ -647,7 +647,7 @@ function showCaptures(place4, state, { use, close }) {
   place4.dataset.shown = key2;
   if (captures.length === 1) {
     const [only] = captures;
-    place4.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only, about2)));
+    place4.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only, about2, only.name), facts(only)));
     return;
   }
   const short2 = shortNames(captures.map(({ name }) => name));
@@ -657,12 +657,13 @@ function showCaptures(place4, state, { use, close }) {
     const chosen = make(
       "button",
       {
-        ...{ type: "button", class: "capture", title: `fit to ${capture.name} too, or not` },
+        ...{ type: "button", class: "capture", title: `fit to ${capture.name} too, or not:${facts(capture)}` },
         "aria-pressed": String(active.includes(capture.id)),
         disabled: alone,
         on: { click: () => use(toggled(capture.id)) }
       },
       ...words(capture, about2, short2[at])
+      // beside others there is no room for more
     );
     const away = make("button", {
       ...{ type: "button", class: "away", text: "×", "aria-label": `close ${capture.name}`, disabled: alone },
@@ -687,11 +688,13 @@ function shortNames(names) {
   const alike = names.every((name) => name.endsWith(kind) && name.length > shared + kind.length);
   return names.map((name) => `…${name.slice(shared, alike ? name.length - kind.length : name.length)}`);
 }
-function words({ name, samples, rate_hz, findings }, about2, short2 = name) {
-  const facts = ` ${thousands(samples)} samples, ${Math.round(rate_hz)} Hz`;
+function facts({ samples, rate_hz }) {
+  return ` ${thousands(samples)} samples, ${Math.round(rate_hz)} Hz`;
+}
+function words({ findings }, about2, name) {
   const doubtful = findings.filter((one) => !isNote(one));
   const doubt = make("span", { class: "doubt", text: "⚠ ", title: doubtful.map((one) => textOf(one, about2)).join("\n") });
-  return [...doubtful.length > 0 ? [doubt] : [], make("strong", { text: short2 }), facts];
+  return [...doubtful.length > 0 ? [doubt] : [], make("strong", { text: name })];
 }
 var isNote = ({ severity, overruled }) => severity === "note" && !overruled;
 function textOf({ severity, said, advice }, about2) {
@@ -1417,15 +1420,15 @@ function enoughWords({ theta_min_rad: from, ...wider2 }, about2) {
   if (from !== void 0) return `${theta.name} from ${number(from)} to ${number(wider2.theta_max_rad)} ${theta.unit}`;
   const [[name, to]] = Object.entries(wider2);
   if (name === "duration_s") return `at most ${number(to)} s`;
-  const [called, unit] = (limitWords(about2)[name] ?? name).split(", ");
-  return `${called} up to ${number(to, 4)} ${unit}`;
+  const [called2, unit] = (limitWords(about2)[name] ?? name).split(", ");
+  return `${called2} up to ${number(to, 4)} ${unit}`;
 }
 function ofLimits(said, about2) {
   return said.startsWith("limits") ? inFormWords(said, about2) : said;
 }
 function inFormWords(said, about2) {
   const pairs = Object.entries(limitWords(about2));
-  return pairs.reduce((words4, [name, called]) => words4.replaceAll(name, `“${called}”`), said);
+  return pairs.reduce((words4, [name, called2]) => words4.replaceAll(name, `“${called2}”`), said);
 }
 function bars({ names, d, standard_d, wrong_choice, came }, about2, told) {
   const share = (value) => `${100 * Math.log(Math.min(Math.max(value, LEAST_D), MOST_D) / LEAST_D) / Math.log(MOST_D / LEAST_D)}%`;
@@ -2359,15 +2362,24 @@ var REST_MS = 300;
 function showLeft(left, { go, anew }) {
   byId("left-behind").hidden = left.length === 0;
   const rows = left.map(
-    (one) => one.wrong === null ? make("li", {}, make("button", { type: "button", class: "main", on: { click: () => go(one.id) } }, "Continue"), ` ${words3(one)}`) : make("li", { class: "wrong", text: one.wrong })
+    (one) => one.wrong === null ? make(
+      "li",
+      { title: one.captures.join("\n") },
+      make("button", { type: "button", class: "main", on: { click: () => go(one.id) } }, "Continue"),
+      make("span", {}, make("strong", { text: called(one) }), " ", make("span", { class: "soft", text: words3(one) }))
+    ) : make("li", { class: "wrong", text: one.wrong })
   );
   const other = make("button", { type: "button", on: { click: anew } }, "Start anew");
   byId("left-rows").replaceChildren(...rows, make("li", {}, other));
 }
-function words3({ captures, steps, ended, when }) {
-  const at = when === null ? "" : new Date(1e3 * when).toLocaleString();
-  const fits = steps === 1 ? "one fit" : `${steps} fits`;
-  return `${captures.join(", ")}: ${fits}, ${ended ? "ended" : "broken off"} ${at}`;
+var FEW3 = 2;
+function called({ captures }) {
+  const more = captures.length - FEW3;
+  return more > 1 ? `${captures.slice(0, FEW3).join(", ")} and ${more} more` : captures.join(", ");
+}
+function words3({ steps, ended, when }) {
+  const at = when === null ? "" : ` ${new Date(1e3 * when).toLocaleString([], { dateStyle: "medium", timeStyle: "short" })}`;
+  return `${steps === 1 ? "one fit" : `${steps} fits`}, ${ended ? "ended" : "broken off"}${at}`;
 }
 var Looking = class {
   /** @param {() => Looked} now */
@@ -2716,7 +2728,7 @@ function idle(work) {
 }
 
 // src/plot.js
-var FEW3 = 8e3;
+var FEW4 = 8e3;
 var FEW_CHOSEN = 20;
 var CLOUDS = 8;
 var AT_ONCE = 5e4;
@@ -2769,7 +2781,7 @@ var Plot = class {
     const inner = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom];
     const [columns, rows] = inner.map((length) => Math.max(8, Math.round(length * this.scale)));
     const part = { x: xAxis.part ?? false, y: yAxis.part ?? false };
-    const many = x.length > FEW3 && !(part.x && fewBetween(x, xAxis));
+    const many = x.length > FEW4 && !(part.x && fewBetween(x, xAxis));
     const dot2 = Math.max(1, Math.round((many ? 2 : 3) * this.scale));
     this.frame = { width: columns, height: rows, x: [xAxis.low, xAxis.high], y: [yAxis.low, yAxis.high], dot: dot2, part };
     this.pick = null;
@@ -2923,8 +2935,8 @@ var Plot = class {
 };
 function fewBetween(x, { low, high }) {
   let count = 0;
-  for (let i = 0; i < x.length && count <= FEW3; i++) if (x[i] >= low && x[i] <= high) count++;
-  return count <= FEW3;
+  for (let i = 0; i < x.length && count <= FEW4; i++) if (x[i] >= low && x[i] <= high) count++;
+  return count <= FEW4;
 }
 
 // src/settling.js
@@ -4240,8 +4252,8 @@ var Next = class {
     this.refuse("");
     byId("next-again").textContent = "Design again";
     byId("next-time").textContent = `${number(seconds2)} s`;
-    const called = headline.map((part) => typeof part === "string" ? inFormWords(part, about2) : part);
-    byId("next-headline").replaceChildren(...nodes(called, about2));
+    const called2 = headline.map((part) => typeof part === "string" ? inFormWords(part, about2) : part);
+    byId("next-headline").replaceChildren(...nodes(called2, about2));
     byId("next-verdict").replaceChildren(...nodes(verdict ?? [], about2));
     byId("next-record").hidden = source === null;
     byId("next-record").textContent = experiment.capture ? "Record it again" : "Record it";
