@@ -96,11 +96,12 @@ export class Next {
       return true;
     } catch (reason) {
       const words = this.state ? ofLimits(wordsOf(reason), aboutOf(this.state)) : "";
-      this.deeds.failed(reason);
-      if (words.startsWith("limits")) {
-        this.open();
-        this.refuse(words, reason instanceof Refusal ? reason.enough : null);
+      if (!words.startsWith("limits")) {
+        this.deeds.failed(reason);
+        return false;
       }
+      this.open();
+      this.refuse(words, reason instanceof Refusal ? reason.enough : null);
       return false;
     } finally {
       this.enable(true);

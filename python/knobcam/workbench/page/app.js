@@ -4179,11 +4179,12 @@ var Next = class {
       return true;
     } catch (reason2) {
       const words4 = this.state ? ofLimits(wordsOf(reason2), aboutOf(this.state)) : "";
-      this.deeds.failed(reason2);
-      if (words4.startsWith("limits")) {
-        this.open();
-        this.refuse(words4, reason2 instanceof Refusal ? reason2.enough : null);
+      if (!words4.startsWith("limits")) {
+        this.deeds.failed(reason2);
+        return false;
       }
+      this.open();
+      this.refuse(words4, reason2 instanceof Refusal ? reason2.enough : null);
       return false;
     } finally {
       this.enable(true);
