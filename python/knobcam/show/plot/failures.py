@@ -33,6 +33,8 @@ _WORDS = {
     "load": "modelled torque",
     "history": "distance since reversal",
 }
+_SOME = 0.1
+"""Of the bins, twice what chance lets leave their bands of 95 %."""
 _SIDES = {1: ("forward", FORWARD), -1: ("backward", BACKWARD), 0: ("mean residual", BLACK)}
 
 
@@ -94,9 +96,10 @@ def of_excess(split: Split) -> str:
         return f"{100.0 * split.share:.0f} % of the excess"
     if np.isnan(split.share):
         return "noise not known"
-    # Of many bins some are beyond their own band by chance, or by too little to count.
-    beyond = bool(np.any(np.abs(split.mean) > split.band))
-    return "no more than chance, all bins together" if beyond else "no more than chance"
+    beyond = float(np.mean(np.abs(split.mean) > split.band))
+    # Where so many bins leave their band that it is seen, the axis as a whole may still be chance's.
+    seen = beyond > (0.0 if split.axis == "frequency" else _SOME)
+    return "no more than chance, all bins together" if seen else "no more than chance"
 
 
 def _verdict(comparison: Comparison) -> str:
