@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from brake import braked_knob
 from small import COUPLINGS
+from test_left_out import touched
 from views import as_kept
 
 import knobcam as kc
@@ -228,6 +229,7 @@ def test_what_cannot_be_told_is_designed_recorded_and_told_in_the_browser(
     assert second["separable"] and second["limits"]["theta_max_rad"] == 1.6
     rivals = [[{"effect": one}] for one in ("return_spring", "unbalance")]
     assert second["rivals"] == first["rivals"] == rivals
+    assert seen["enough"] == "Design with torque up to 0.0024 N m"
     assert seen["counted"] == "3"
     before, after = seen["left"]
     assert 0.7 < before - after < 1.6 and after < third["seconds"] - 2.5
@@ -238,3 +240,11 @@ def test_what_cannot_be_told_is_designed_recorded_and_told_in_the_browser(
     assert "return_spring" in seen["effects"]
     assert seen["captures"][1]["samples"] == pytest.approx(5000.0 * third["seconds"], abs=2)
     as_kept(pictures, "22-itself", "28-itself-dark")
+
+
+def test_a_stretch_that_is_brushed_is_left_out_and_the_next_capture_has_a_scale_of_its_own(
+    tmp_path: Path, pictures: Path
+) -> None:
+    other = kc.simulate("knob5", "sweep", duration_s=4.0, rate_hz=1000.0, seed=3).save(tmp_path / "other.npz")
+    with workbench(touched(tmp_path)) as address:
+        script("leaving.js", address, other, pictures)

@@ -236,3 +236,12 @@ def test_preparing_and_plotting_are_delegated(monkeypatch: pytest.MonkeyPatch) -
     capture = swing()
     assert capture.prepare("paper", edge=3) == (capture, "paper", {"edge": 3})
     assert capture.plot() is capture
+
+
+def test_a_picture_is_refused_with_all_that_could_be_given(tmp_path: Path) -> None:
+    path = tmp_path / "plot.png"
+    path.write_bytes(b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR" + bytes(range(256)))
+    with pytest.raises(
+        InputError, match=r"give CSV \(\.gz\), JSON, \.mat, .* HDF5, Parquet, a wire log or a ROS 2 bag"
+    ):
+        load(path)

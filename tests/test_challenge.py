@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
 import httpx
@@ -11,7 +12,16 @@ from workbench_server import wrong
 import knobcam as kc
 from knobcam.workbench import challenge
 from knobcam.workbench.bench import Bench
+from knobcam.workbench.session import Session
 from knobcam.workbench.sources import Simulated
+from knobcam.workbench.tree import Opened
+
+
+@pytest.fixture(autouse=True)
+def _one(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a client is given to find is one spring."""
+    if "client" in request.fixturenames:
+        monkeypatch.setattr(challenge, "levels", lambda: {"easy": [("knob4", ("return_spring",), 3)]})
 
 
 def standing(client: httpx.Client) -> dict[str, Any]:
@@ -34,15 +44,14 @@ def test_an_easy_challenge_is_solved_by_the_program_itself() -> None:
 
 
 def test_hints_wrong_effects_and_the_list_cost_and_what_is_hidden_alone_solves_it(
-    client: httpx.Client, bench: Bench, monkeypatch: pytest.MonkeyPatch
+    client: httpx.Client, bench: Bench
 ) -> None:
-    monkeypatch.setattr(challenge, "levels", lambda: {"easy": [("knob4", ("return_spring",), 3)]})
     assert client.post("/api/simulate", json={"level": "easy"}).is_success
     (one,) = client.get("/api/state").json()["captures"]
     assert one["hides"] and "spring" not in one["name"]
     assert standing(client) == {
         **{"hints": [], "more": True, "wrong": [], "found": 0, "hidden": 1},
-        **{"solved": False, "sealed": True, "score": 100},
+        **{"solved": False, "given_up": False, "sealed": True, "score": 100},
     }
     client.post("/api/hint", json={"capture": one["id"]})
     told = standing(client)
@@ -67,3 +76,38 @@ def test_hints_wrong_effects_and_the_list_cost_and_what_is_hidden_alone_solves_i
 def test_a_surprise_that_is_no_challenge_hides_no_list(client: httpx.Client) -> None:
     client.post("/api/simulate", json={"knob": "knob4", "effects": ["return_spring"], "duration_s": 2.0})
     assert not standing(client)["sealed"]
+
+
+def test_who_is_told_what_was_hidden_has_given_up_and_who_found_it_has_not(client: httpx.Client) -> None:
+    for found in (False, True):
+        client.post("/api/simulate", json={"level": "easy"})
+        capture = client.get("/api/state").json()["captures"][-1]["id"]
+        if found:
+            client.post("/api/add", json={"effect": "return_spring"})
+        assert client.post("/api/hidden", json={"capture": capture}).json()["hidden"] == ["return_spring"]
+        told = standing(client)
+        assert (told["given_up"], told["solved"], told["score"]) == (not found, found, 100 * found)
+        assert not told["sealed"]
+
+
+def test_no_challenge_comes_twice_before_all_have_come() -> None:
+    session = Session()
+    easy = challenge.levels()["easy"]
+    for at in range(len(easy)):
+        source = challenge.drawn("easy", session)
+        had = {"simulated": dataclasses.asdict(source)}
+        session.captures[f"c{at}"] = Opened(f"c{at}", "", kc.simulate("knob4", duration_s=0.1), "", **had)
+    hidden = [Simulated.again(one.simulated or {}).hidden for one in session.captures.values()]
+    assert sorted(hidden) == sorted(one[1] for one in easy)
+    assert challenge.drawn("easy", session).level == "easy"
+
+
+def test_a_challenge_of_which_samples_are_left_out_keeps_its_score(client: httpx.Client) -> None:
+    client.post("/api/simulate", json={"level": "easy"})
+    capture = client.get("/api/state").json()["captures"][-1]["id"]
+    client.post("/api/hint", json={"capture": capture})
+    client.post("/api/add", json={"effect": "torque_drift"})
+    before = standing(client)
+    assert before["score"] == 75
+    assert client.post("/api/leave-out", json={"runs": {capture: [[0, 500]]}}).is_success
+    assert standing(client) == before

@@ -5,12 +5,15 @@ from __future__ import annotations
 import dataclasses
 import importlib
 import json
+import math
 
 import numpy as np
 import pytest
 
 import knobcam as kc
 from knobcam.fit import refit
+from knobcam.fit.doubts import unsettled
+from knobcam.fit.estimate import Estimate
 
 
 @pytest.fixture(scope="module")
@@ -188,3 +191,23 @@ def test_an_effect_that_cannot_be_weighed_is_left_out_with_the_reason() -> None:
     assert "'detent'" in diagnosis.left_out["detent_harmonics"]
     assert "Left out: detent_harmonics" in repr(diagnosis)
     assert diagnosis.document()["left_out"] == diagnosis.left_out
+
+
+def test_values_of_which_most_may_be_nothing_are_said_not_to_be_determined() -> None:
+    def one(value: float, half: float) -> Estimate:
+        return Estimate(value, (value - half, value + half), "1", half / 2.0)
+
+    held = Estimate(3.0, (3.0, 3.0), "1", 0.0)
+    unknown = Estimate(1.0, (math.nan, math.nan), "1", math.nan)
+    ripple, presliding = kc.effects()["cogging"], kc.effects()["presliding"]
+    known = {"presliding.s": one(2.0, 1.0), "presliding.w1": one(0.3, 0.1), "presliding.w2": one(0.0, 1.0)}
+    assert unsettled(presliding, known) == ""
+    told = unsettled(presliding, known | {"presliding.w3": unknown, "presliding.w4": one(-0.1, 5.0)})
+    assert told == "3 of its 5 values are not determined, and may be nothing as well: w2, w3, w4"
+    alone = {"presliding.s": one(2.0, 3.0), "presliding.w1": unknown}
+    assert unsettled(presliding, alone) == "none of its values is determined: each may be nothing as well"
+    # Of a phase or a place zero is a value like any other, and what is held was not asked.
+    spring = {"return_spring.k": one(0.01, 0.001), "return_spring.theta0": unknown}
+    assert unsettled(kc.effects()["return_spring"], spring) == ""
+    waves = {"cogging.n1": held, "cogging.a1": one(0.5, 0.1), "cogging.phi1": one(0.0, 0.3)}
+    assert unsettled(ripple, waves) == ""

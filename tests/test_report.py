@@ -16,6 +16,8 @@ from carried import carried
 
 import knobcam as kc
 from knobcam.show import report
+from knobcam.show.plot.failures import of_excess
+from knobcam.show.tables import html_table
 from knobcam.show.words import effect_word, param_word, sentence
 
 HOSTILE = "<script>alert(1)</script>\"'><img src=x onerror=alert(2)> $headline ${else} &amp; knob.csv"
@@ -186,3 +188,22 @@ def test_a_report_appears_whole_at_its_path(
     assert [one.name for one in tmp_path.iterdir()] == ["knob.html"]
     with pytest.raises(kc.InputError, match="there is no folder"):
         story.report(tmp_path / "no" / "such" / "knob.html")
+
+
+def test_no_line_ends_between_a_number_and_its_per_cent() -> None:
+    told = html_table("Ladder", ("error",), [("-8.8 %",), ("of 8 <b>%",)])
+    assert "-8.8\u00a0%" in told and "of 8 &lt;b&gt;%" in told
+
+
+def test_shares_that_overlap_are_said_to_and_bins_beyond_their_band_do_not_contradict_chance() -> None:
+    knob = kc.hiding("knob4", "return_spring", motion="sweep", duration_s=4.0)
+    fit = kc.fit(kc.simulate(knob, "sweep", duration_s=4.0, rate_hz=1000.0, seed=5))
+    compared = fit.compare()
+    assert sum(one.share for one in compared.splits if one.fails) > 1.0
+    (bars, *_) = compared.plot().axes
+    assert "they overlap" in bars.get_xlabel()
+    calm = kc.fit(kc.simulate("knob4", "sweep", duration_s=4.0, rate_hz=1000.0, seed=5)).compare()
+    noisy = dataclasses.replace(calm["frequency"], mean=1.2 * calm["frequency"].band)
+    quiet = dataclasses.replace(calm["frequency"], mean=0.8 * calm["frequency"].band)
+    assert not noisy.fails and of_excess(noisy) == "no more than chance, all bins together"
+    assert of_excess(quiet) == "no more than chance"

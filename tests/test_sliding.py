@@ -23,4 +23,15 @@ def test_nor_a_knob_that_turns_on_a_shaft() -> None:
         told += [param.meaning for param in one.params]
         assert not [words for words in told if strange.search(words)], one.id
     about = {coordinate: kc.effects(coordinate)["detent"].about for coordinate in ("rotary", "linear")}
-    assert about["rotary"].startswith("The knob falls") and about["linear"].startswith("The carriage falls")
+    assert about["rotary"].startswith("The knob falls")
+    assert about["linear"].startswith("The carriage runs over")
+
+
+def test_what_returns_along_a_slide_is_a_ripple_and_no_detent() -> None:
+    """A screw, a rack or the poles of a linear motor make it, and nobody feels a catch."""
+    for one in kc.effects("linear").values():
+        words = [one.title, one.name, one.about, one.shows, *one.causes, *one.remedies]
+        words += [param.meaning for param in one.params]
+        assert not [said for said in words if "detent" in said.lower()]
+    assert kc.effects("linear")["detent"].title == "ripple"
+    assert kc.effects("rotary")["detent"].title == "detent"

@@ -131,3 +131,44 @@ def test_a_log_whose_columns_have_to_be_named_is_asked_about_on_the_page(tmp_pat
         process.wait(20.0)
         assert process.stderr is not None and "the page asks for it, too" in process.stderr.read()
     refused(knobcam("workbench", "--no-browser", log, "--map", "t=zeit"), "theta is missing")
+
+
+def test_what_came_in_stays_in_the_headline_while_something_else_is_missing() -> None:
+    session = Session()
+    knob = kc.hiding("knob4", "return_spring", "stribeck", motion="sweep", duration_s=4.0)
+    session.take(kc.simulate(knob, "sweep", duration_s=4.0, rate_hz=1000.0), "both")
+    session.weigh()
+    assert state.document(session)["added"] == []
+    session.add("stribeck")
+    assert state.document(session)["added"] == ["stribeck"]
+    session.weigh()
+    page = state.document(session)
+    assert page["candidates"]["rows"][0]["could_be"] and page["added"] == ["stribeck"]
+    session.add("return_spring")
+    session.weigh()
+    page = state.document(session)
+    assert "stribeck and return_spring" in Said.of(page["concluded"]) and page["added"] == []
+
+
+def test_an_error_like_chances_does_not_hide_values_that_no_knob_has() -> None:
+    session = Session()
+    knob = kc.Model.load("knob4").with_value("viscous.pos", -4e-4).with_value("viscous.neg", -4e-4)
+    session.take(kc.simulate(knob, "sweep", duration_s=4.0, rate_hz=1000.0, seed=1), "gives power back")
+    session.weigh()
+    said = Said.of(state.document(session)["verdict"])
+    assert "chance explains it. But viscous." in said and "which no real knob has" in said
+
+
+def test_a_floor_that_was_read_from_what_the_model_left_is_told_of_each_step() -> None:
+    """What is wrong in every stretch of a slow turn passes for noise until the model has it."""
+    path = SHARED / "odrive_cogging" / "slow2_slower_nocomp_0.npy"
+    if not path.is_file():
+        pytest.skip(f"{path} is absent; set KNOBCAM_SHARED_DATA to the folder of real measurements")
+    t, counts, current = np.load(path)
+    later = t > t[0] + 1.0
+    motion = {"t": t[later], "theta": counts[later] * 2.0 * np.pi / 8192.0, "tau": current[later]}
+    session = Session()
+    session.take(kc.Capture.from_arrays(**motion, torque_unit="A"), "slow")
+    session.add("cogging")
+    first, now = (one["noise_floor"] for one in state.document(session)["branches"][0]["steps"])
+    assert first is not None and now is not None and now < 0.6 * first

@@ -296,6 +296,26 @@ def sprung_bench() -> Any:
         yield client, bench
 
 
+def test_limits_that_are_too_narrow_are_answered_with_the_one_that_would_do(
+    sprung_bench: tuple[httpx.Client, Bench],
+) -> None:
+    client, _ = sprung_bench
+    reached = shown(client)["limits"]
+    assert reached["omega_rad_s"] == pytest.approx(0.93, rel=0.01) and reached["sample_rate_hz"] == 1000.0
+    for given, named in ((0.0024, RIVALS), (0.0016, [])):
+        refused = client.post("/api/design", json={"effects": named, "limits": {"torque_Nm": given}})
+        assert refused.status_code == 400 and "torque_Nm = " in refused.json()["error"]
+        enough = refused.json()["enough"]
+        assert enough == {"limit": "torque_Nm", "to": pytest.approx(2.0 * given)}
+        post(client, "design", effects=named, limits={enough["limit"]: enough["to"]})
+    post(client, "design", effects=RIVALS, limits={"torque_Nm": 0.012})
+    found = shown(client)["experiment"]
+    assert not found["separable"] and found["change"]["limit"] == "torque_Nm"
+    post(client, "design", effects=RIVALS, limits={"torque_Nm": found["change"]["to"]})
+    again = shown(client)["experiment"]
+    assert again["separable"] and again["change"] is None
+
+
 def test_of_a_file_nobody_knows_the_knob_and_a_port_is_asked_for(
     sprung_bench: tuple[httpx.Client, Bench], tmp_path: Path
 ) -> None:

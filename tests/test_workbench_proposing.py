@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +15,9 @@ from workbench_server import served, wrong
 
 import knobcam as kc
 from knobcam.base.said import Said
+from knobcam.fit.estimate import Estimate
 from knobcam.workbench.bench import Bench
-from knobcam.workbench.proposing import looked_for, taken, typed
+from knobcam.workbench.proposing import doubt_of, looked_for, taken, typed
 from knobcam.workbench.script import script
 from knobcam.workbench.session import Session
 from knobcam.workbench.state import document
@@ -57,7 +59,8 @@ def test_a_law_is_proposed_laid_over_the_residual_and_taken_under_a_name(
 ) -> None:
     told = state(asked)
     first = told["proposed"][0]
-    assert first["words"][-2:] == ["of omega", "no shorter law is as good"]
+    assert first["words"][-1] == "no shorter law is as good" and first["variables"] == ["omega"]
+    assert first["doubt"] == ""
     assert first["rmse"] < 1.02 * told["noise_floor"] < 0.5 * told["rmse"]
     assert "proposed, not found" in Said.of(told["proposed_said"])
     assert speed(first["words"]) == pytest.approx(1.3, abs=0.03)
@@ -250,3 +253,13 @@ def test_where_nothing_has_a_name_a_law_is_looked_for_unasked(
     bench.session.take(braked, "braked")
     bench.weigh().result.result(120.0)
     assert bench.session.proposals[bench.session.node.id].laws[0].variables == ("omega",)
+
+
+def test_values_of_a_law_that_are_not_determined_are_said() -> None:
+    known = {"a": Estimate(0.01, (0.009, 0.011), "N m", 5e-4), "n": Estimate(2.0, (2.0, 2.0), "1", 0.0)}
+    assert doubt_of(known) == ""
+    unknown = {
+        "b": Estimate(0.3, (math.nan, math.nan), "1", math.nan),
+        "c": Estimate(0.1, (-1.0, 1.2), "1", 0.5),
+    }
+    assert doubt_of(known | unknown) == "not determined: b; may be nothing as well: c"

@@ -199,9 +199,9 @@ def test_a_surprise_is_told_to_who_asks_and_to_nobody_else(client: httpx.Client,
     (hidden,) = bench.session.captures["c1"].hidden
     assert state["captures"][0]["hides"] is True
     assert hidden not in json.dumps(state["captures"])
-    assert client.get("/api/hidden", params={"capture": "c1"}).json()["hidden"] == [hidden]
+    assert client.post("/api/hidden", json={"capture": "c1"}).json()["hidden"] == [hidden]
     assert repr(hidden) in client.get("/api/download", params={"what": "script"}).text
-    wrong(client.get("/api/hidden", params={"capture": HOSTILE}), 400, "is not in this session")
+    wrong(client.post("/api/hidden", json={"capture": HOSTILE}), 400, "is not in this session")
 
 
 def test_a_capture_of_another_knob_is_fitted_for_itself(client: httpx.Client) -> None:

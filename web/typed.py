@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, Literal, NotRequired, Union, get_args, get_origin, get_type_hints, is_typeddict
 
 PACKAGE = Path(__file__).resolve().parents[1] / "python" / "knobcam"
-SCHEMA = ("base.pages_said", "base.pages_left", "base.pages", "base.pages_sources")
+SCHEMA = ("base.pages_said", "base.pages_left", "base.pages_next", "base.pages", "base.pages_sources")
 HEAD = """/**
  * What the server and the reports tell. Made by `python3 dev.py page` of pages*.py in python/knobcam/base.
  */

@@ -74,6 +74,19 @@ await page.getByText("Within which limits").click();
 const second = await experiment();
 await picture("23-next-wider");
 
+// Limits within which there is no motion stay in sight, with the one that would do.
+const torque = page.locator("#next-limits [name=torque_Nm]");
+await page.getByText("Within which limits").click();
+await torque.fill("0.0012");
+await button("Design again").click();
+await page.locator("#next-refused", { hasText: "“torque, N m”" }).waitFor({ timeout: 90_000 });
+const enough = await page.locator("#next-enough").textContent();
+assert.equal((await experiment()).id, second.id);
+await accessible(page, "limits that are too narrow");
+await itself("23-too-narrow");
+await torque.fill("");
+await page.getByText("Within which limits").click();
+
 const saving = page.waitForEvent("download");
 await button("Motion file").click();
 const file = join(folder, "motion.toml");
@@ -146,7 +159,7 @@ const state = await stateOf(page);
 await browser.close();
 console.log(
   JSON.stringify({
-    ...{ shares, first, second, third, counted, left, clicks, told, words },
+    ...{ enough, shares, first, second, third, counted, left, clicks, told, words },
     effects: [...new Set(state.params.map(({ name }) => name.split(".")[0]))],
     captures: state.captures.map(({ name, samples }) => ({ name, samples })),
   }),

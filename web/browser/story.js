@@ -93,9 +93,15 @@ for (const [width, height] of [[720, 450], [700, 950], [800, 950], [1120, 800], 
 await page.setViewportSize({ width: 800, height: 950 });
 await accessible(page, "narrow");
 await page.setViewportSize({ width: 1500, height: 950 });
-await page.locator(".candidates + details summary").click();
-await accessible(page, "what is no better than chance");
-await page.locator(".candidates + details summary").click();
+const folds = page.locator(".candidates ~ details");
+assert.match(await folds.nth(0).locator("summary").textContent(), /^\d ruled out by values that none can have: .*friction over position \(−3\d %\)/);
+for (const [at, doubt] of [[0, true], [1, false]]) {
+  await folds.nth(at).locator("summary").click();
+  const why = folds.nth(at).locator(".candidate").first().locator(".doubt");
+  assert.equal((await why.count()) > 0, doubt);
+  await accessible(page, at === 0 ? "what is ruled out" : "what is no better than chance");
+  await folds.nth(at).locator("summary").click();
+}
 await page.locator("h1").hover();
 figures.look = await done(page, "look", () => candidates.first().hover());
 await picture("3-looked-at");

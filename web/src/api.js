@@ -2,14 +2,16 @@
 
 /** @typedef {import("./types.js").State} State */
 
-/** What the server says is wrong; `columns` of a file that it could not take for a capture, `guess` what they may be, `fault` of a rig. */
+/** What the server says is wrong; `columns` of a file that it could not take for a capture, `guess` what they may be, `fault` of a rig, `enough` the
+ * limit with which there would be a motion. */
 export class Refusal extends Error {
   /** @param {string} words @param {import("./types.js").Why} [more] */
-  constructor(words, { columns, guess, fault } = {}) {
+  constructor(words, { columns, guess, fault, enough } = {}) {
     super(words);
     this.columns = columns ?? null;
     this.guess = guess ?? {};
     this.fault = fault ?? null;
+    this.enough = enough ?? null;
   }
 }
 

@@ -1,7 +1,7 @@
 /** The workbench's page: what the server tells is shown, what the person does is asked of the server. */
 
 import { download, fetchState, listen, post, wordsOf } from "./api.js";
-import { comparable, showBranches } from "./branches.js";
+import { capturesOf, comparable, showBranches } from "./branches.js";
 import { samplesOf, showCaptures, showFindings } from "./captures.js";
 import { Candidates } from "./candidates.js";
 import { byId, shown } from "./dom.js";
@@ -9,9 +9,12 @@ import { AnyEffect, about } from "./effects.js";
 import { ofLimits } from "./evidence.js";
 import { opening, saving } from "./files.js";
 import { showHidden, unhiding } from "./hidden.js";
+import { showJob } from "./job.js";
 import { keys } from "./keys.js";
 import { showLadder } from "./ladder.js";
 import { latest } from "./latest.js";
+import { leaving } from "./leaving.js";
+import { showLegend } from "./legend.js";
 import { Laws } from "./laws.js";
 import { USUAL, columnsOf } from "./contents.js";
 import { Looking, showLeft } from "./going.js";
@@ -19,7 +22,7 @@ import { known } from "./names.js";
 import { Linked } from "./linked.js";
 import { Live } from "./live.js";
 import { showMoment } from "./moment.js";
-import { Next, showUntold } from "./next.js";
+import { Next } from "./next.js";
 import { Overlay } from "./overlay.js";
 import { Params } from "./params.js";
 import { preparing, sources } from "./sources.js";
@@ -54,12 +57,17 @@ class App {
     this.linked = new Linked(
       (words) => {
         byId("chosen").textContent = words ?? BRUSH_HINT;
+        this.leavable?.();
         this.looks.changed();
       },
       (axes) => this.see({ axes }),
       { fetched: true, pointed: showMoment },
     );
     byId("plots").append(this.linked.element);
+    /** @type {(() => void) | undefined} */
+    this.leavable = leaving(this.linked, () => this.state, async (runs) => {
+      if (await this.ask("leave-out", { runs }, "data")) this.linked.clear();
+    });
     this.overlay = new Overlay(this.store, this.linked, () => this.state, (reason) => this.failed(reason));
     this.refresh = latest((/** @type {number} */ revision) => this.load(revision));
     this.drag = latest(async (/** @type {Record<string, number>} */ values) => {
@@ -90,9 +98,9 @@ class App {
     this.next = new Next({
       store: this.store,
       design: async (body) => {
-        const answer = await this.ask("design", body);
-        if (answer) await this.load(Infinity);
-        return answer;
+        await post("design", body);
+        this.say("");
+        await this.load(Infinity);
       },
       recording: () => this.live?.follow(),
       where: () => this.live?.angle ?? null,
@@ -193,7 +201,8 @@ class App {
     try {
       const answer = await post(verb, body);
       this.say("");
-      if (answer.node && this.state?.node) this.expect(answer.node, this.state.active); // while the state is on its way
+      // While the state is on its way; of what was read just now no page knows the captures yet.
+      if (answer.node && this.state?.node && deed !== "data") this.expect(answer.node, capturesOf(answer.node, this.state));
       if (answer.revision !== undefined) this.refresh(answer.revision);
       return answer;
     } catch (reason) {
@@ -268,7 +277,6 @@ class App {
     this.laws.show(state);
     this.any.show(state.absent);
     this.next.show(state);
-    showUntold(byId("untold"), state, (effects) => this.next.design(effects));
     this.showJob(state.job);
     const branch = state.branches.find(({ id }) => id === state.branch);
     enable("undo", (branch?.at ?? 0) > 0);
@@ -305,11 +313,11 @@ class App {
     const fitted = !state.params.some(({ dragged }) => dragged);
     const name = state.branches.find(({ id }) => id === state.branch)?.name;
     const beside = other && rest ? { name: other.name, residual: rest.residual } : null;
-    this.legend(beside?.name ?? null);
-    byId("masked").hidden = !columns.masked?.some((value) => value === value);
+    showLegend(state, columns, beside?.name ?? null);
     const splits = fitted ? this.store.splits.get(node) : []; // where nothing is fitted, nothing is told of chance
     const noise = state.noise_floor;
-    const data = { several: active.length > 1, columns, ...aboutOf(state), noise, fitted, name, beside, splits };
+    const of = String(state.captures.filter(({ id }) => active.includes(id)).map((one) => one.name));
+    const data = { several: active.length > 1, of, below_hz: state.below_hz, columns, ...aboutOf(state), noise, fitted, name, beside, splits };
     timed(what, () => {
       this.linked.show(data, view);
       if (this.brushedThen) this.linked.brushAgain(this.brushedThen);
@@ -335,12 +343,6 @@ class App {
     });
   }
 
-  /** @param {string | null} name of the branch beside, null for none */
-  legend(name) {
-    byId("beside").hidden = name === null;
-    byId("beside-name").textContent = name ?? "";
-  }
-
   /** Show what an effect is, moved as the capture moved. @param {import("./types.js").Effect} effect */
   about(effect) {
     const { state } = this;
@@ -357,12 +359,7 @@ class App {
   /** @param {Job | null} job */
   showJob(job) {
     this.job = job;
-    byId("job").hidden = job === null;
-    if (!job) return;
-    byId("job-what").textContent = job.what;
-    const bar = /** @type {HTMLProgressElement} */ (byId("job-done"));
-    if (job.done === null) bar.removeAttribute("value");
-    else bar.value = job.done;
+    showJob(job);
   }
 
   /** @param {Job} job */

@@ -56,3 +56,12 @@ export function showBranches(place, state, beside, deeds) {
     /** @type {HTMLElement | null} */ (place.querySelector(`[data-beside="${CSS.escape(focused)}"]`))?.focus();
   }
 }
+
+/**
+ * The captures that a fit is to: of one that is no step yet, those that are shown.
+ * @param {string} node
+ * @param {import("./types.js").State} state
+ */
+export function capturesOf(node, { branches, active }) {
+  return branches.flatMap(({ steps }) => steps).find((step) => step.node === node)?.captures ?? active;
+}

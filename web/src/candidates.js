@@ -42,9 +42,11 @@ export class Candidates {
     this.inside ||= this.place.contains(document.activeElement);
     this.at = 0;
     const could = candidates.rows.filter((row) => row.could_be);
-    this.rows = [...could, ...candidates.rows.filter((row) => !row.could_be)];
+    const rest = candidates.rows.filter((row) => !row.could_be);
+    const ruledOut = rest.filter((row) => row.word === "implausible");
+    this.rows = [...could, ...ruledOut, ...rest.filter((row) => row.word !== "implausible")];
     this.items = this.rows.map((row, at) => this.item(row, at, about));
-    const others = this.items.slice(could.length);
+    const [out, others] = [this.items.slice(could.length, could.length + ruledOut.length), this.items.slice(could.length + ruledOut.length)];
     const ask = make("button", {
       ...{ type: "button", text: "What is missing?", disabled: job !== null || node === null },
       on: { click: () => this.deeds.ask?.() },
@@ -54,9 +56,10 @@ export class Candidates {
       ...(candidates.ready && this.items.length === 0
         ? [make("p", { class: "well", text: "Nothing is left to be weighed." })]
         : []),
-      candidates.ready && could.length === 0 && others.length > 0 ? make("p", { class: "soft", text: NOTHING }) : "",
+      candidates.ready && could.length === 0 && this.items.length > 0 ? make("p", { class: "soft", text: NOTHING }) : "",
       make("ul", { "aria-label": "candidates", class: "candidates" }, ...this.items.slice(0, could.length)),
-      others.length > 0 ? folded(others) : "",
+      out.length > 0 ? folded(out, `${out.length} ruled out by values that none can have: ${ruledOut.map(outWords).join(", ")}`) : "",
+      others.length > 0 ? folded(others, `${others.length} more: no better than chance, or too little to matter`) : "",
       ...remainder(candidates.unexplained, about),
     );
     fitFormulas(this.place);
@@ -99,6 +102,7 @@ export class Candidates {
       make("span", { class: "evidence soft", text: evidence(row, about) }),
       this.untold(row),
       ...remarks(row).map((words) => make("span", { class: "alike soft" }, ...words)),
+      row.could_be && row.unsettled ? make("span", { class: "alike doubt", text: `⚠ ${row.unsettled}` }) : null,
       ...row.implausible.map((why) => make("span", { class: "alike doubt" }, "⚠ ", ...nodes(why, about))),
     );
   }
@@ -155,12 +159,17 @@ export class Candidates {
 }
 
 /**
- * What is no more than chance, or too little, or not by its values: there for those who ask.
+ * What could not be it: there for those who ask.
  * @param {HTMLElement[]} items
+ * @param {string} words why
  */
-function folded(items) {
-  const words = `${items.length} more: no better than chance, or too little to matter`;
+function folded(items, words) {
   return make("details", {}, make("summary", { class: "soft", text: words }), make("ul", { class: "candidates" }, ...items));
+}
+
+/** @param {Candidate} row */
+function outWords({ effect, error_fall: fall }) {
+  return `${titleOf(effect)} (${percent(-Math.max(0, fall))})`;
 }
 
 /** @param {Candidate} row @param {import("./said.js").About} about */

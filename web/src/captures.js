@@ -28,7 +28,7 @@ export function showCaptures(place, state, { use, close }) {
   place.dataset.shown = key;
   if (captures.length === 1) {
     const [only] = captures;
-    place.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only, about)));
+    place.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only, about, only.name), facts(only)));
     return;
   }
   const short = shortNames(captures.map(({ name }) => name));
@@ -39,12 +39,12 @@ export function showCaptures(place, state, { use, close }) {
     const chosen = make(
       "button",
       {
-        ...{ type: "button", class: "capture", title: `fit to ${capture.name} too, or not` },
+        ...{ type: "button", class: "capture", title: `fit to ${capture.name} too, or not:${facts(capture)}` },
         "aria-pressed": String(active.includes(capture.id)),
         disabled: alone,
         on: { click: () => use(toggled(capture.id)) },
       },
-      ...words(capture, about, short[at]),
+      ...words(capture, about, short[at]), // beside others there is no room for more
     );
     const away = make("button", {
       ...{ type: "button", class: "away", text: "×", "aria-label": `close ${capture.name}`, disabled: alone },
@@ -81,12 +81,16 @@ export function shortNames(names) {
   return names.map((name) => `…${name.slice(shared, alike ? name.length - kind.length : name.length)}`);
 }
 
-/** @param {CaptureInfo} capture @param {About} about @param {string} [short] its name beside others */
-function words({ name, samples, rate_hz, findings }, about, short = name) {
-  const facts = ` ${thousands(samples)} samples, ${Math.round(rate_hz)} Hz`;
+/** How long a capture is. @param {CaptureInfo} capture */
+function facts({ samples, rate_hz }) {
+  return ` ${thousands(samples)} samples, ${Math.round(rate_hz)} Hz`;
+}
+
+/** @param {CaptureInfo} capture @param {About} about @param {string} name as it is called beside others */
+function words({ findings }, about, name) {
   const doubtful = findings.filter((one) => !isNote(one));
   const doubt = make("span", { class: "doubt", text: "⚠ ", title: doubtful.map((one) => textOf(one, about)).join("\n") });
-  return [...(doubtful.length > 0 ? [doubt] : []), make("strong", { text: short }), facts];
+  return [...(doubtful.length > 0 ? [doubt] : []), make("strong", { text: name })];
 }
 
 /** Whether a finding changes nothing, and no person changed that. @param {Finding} finding */

@@ -2,7 +2,7 @@
 
 import { limits } from "./axes.js";
 import { spectrumOf } from "./spectrum.js";
-import { torqueScale, torqueWord } from "./numbers.js";
+import { number, torqueScale, torqueWord } from "./numbers.js";
 import { beyondWords, mostLimits, mostReach } from "./outliers.js";
 import { remembered } from "./remembered.js";
 
@@ -13,10 +13,12 @@ import { remembered } from "./remembered.js";
 /**
  * What the plots are made of.
  * @typedef {{columns: Columns, unit: string, peak: number, coordinate: "rotary" | "linear", noise: number | null, fitted: boolean, several?: boolean,
- *   name?: string, beside?: Beside | null, splits?: import("./types.js").Split[] | null}} Data
+ *   of?: string, below_hz?: number | null, name?: string, beside?: Beside | null, splits?: import("./types.js").Split[] | null}} Data
  * `columns`: t, theta, omega, tau, residual; for isolated components also position_part and velocity_part; for
- * the band also band; over time `masked`, what is recorded where no sample counts. `fitted`: no parameter is dragged
- * away from the fit. `several` captures, one after the other, have each a time of its own. `name`: of the branch.
+ * the band also band; over time `masked`, what was recorded of masked samples. `fitted`: no parameter is dragged
+ * away from the fit. `several` captures, one after the other, have each a time of its own. `of`: which captures they
+ * are, however they were read. `below_hz`: what is faster is
+ * filtered off. `name`: of the branch.
  * `splits`: where the error lies, as soon as that is known
  * @typedef {{name: string, residual: Float32Array}} Beside another branch of the same captures
  * @typedef {import("./types.js").Seen} View
@@ -76,7 +78,10 @@ export function reachOf({ columns, beside, noise }) {
 export function rowsOf(data, view, widest) {
   const { columns, beside } = data;
   const word = torqueWord(data.unit);
+  const slow = data.below_hz ? ` below ${number(data.below_hz)} Hz` : ""; // measured and modelled, through one filter
   const model = modelOf(columns.residual, columns.tau);
+  const fitted = counted(model, columns.tau);
+  const unfitted = notCounted(fitted, columns.tau, columns.masked ?? fitted);
   const other = beside ? modelOf(beside.residual, columns.tau) : null;
   const scale = torqueScale(data);
   const [ownLabel, besideLabel] = [columns, beside].map((one) => (one ? `residual, ${scale.unit}${beyondWords(one.residual, -1.04 * widest, 1.04 * widest)}` : ""));
@@ -84,22 +89,22 @@ export function rowsOf(data, view, widest) {
     if (along === "frequency") return { torque: null, residual: alongFrequency(data), beside: null };
     const axis = AXES[along];
     const x = axis.column ? columns[axis.column] : model;
-    const common = { x, xAxis: axisOf(along, x, data), picked: 0 };
+    const common = { x, xAxis: axisOf(along, along === "time" ? x : counted(model, x), data), picked: 0 };
     const part = view.isolated && axis.part ? columns[axis.part] : null;
-    const { measured, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: model };
+    const { measured, modelled } = part ? isolated(columns, part) : { measured: fitted, modelled: model };
     const series = [
-      ...(along === "time" && columns.masked && !part ? [{ colour: "--masked", chosen: "--chosen", y: columns.masked, strength: 1 }] : []),
+      ...(along === "time" ? [{ colour: "--masked", chosen: "--chosen", y: unfitted, strength: 1 }] : []),
       { colour: "--measured", chosen: "--chosen", y: measured, strength: 0.4 },
       ...(view.band && columns.band ? band(modelled, columns.band) : []),
       ...(other && !part ? [{ colour: "--beside", chosen: "--beside", y: other, strength: 0.35 }] : []),
       { colour: "--modelled", chosen: "--modelled", y: modelled, strength: 0.35 },
     ];
-    const [lowest, highest] = limits([Float32Array.from(mostLimits(modelled, counted(modelled, measured)))]);
+    const [lowest, highest] = limits([Float32Array.from(mostLimits(modelled, measured))]);
     const torque = {
       ...common,
-      picked: series.findIndex(({ colour }) => colour === "--measured"), // masked samples are not taken by a brush
+      picked: series.findIndex(({ colour }) => colour === "--measured"), // what is not fitted is not taken by a brush
       xAxis: { ...common.xAxis, label: "" }, // where it is chosen it stands already
-      yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}${beyondWords(measured, lowest, highest)}` },
+      yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}${slow}, ${scale.unit}${beyondWords(measured, lowest, highest)}` },
       title: part ? `what depends on ${along} alone` : `${word} over ${axis.words}`,
       series,
       noise: null,
@@ -185,12 +190,24 @@ const modelOf = remembered((/** @type {Float32Array} */ residual, /** @type {Flo
   return model;
 });
 
-/** What was measured where the model is held against it: what counts for nothing sets no axis. */
-const counted = remembered((/** @type {Float32Array} */ model, /** @type {Float32Array} */ tau) => {
-  const measured = new Float32Array(tau.length);
-  for (let i = 0; i < tau.length; i++) measured[i] = model[i] === model[i] ? tau[i] : NaN;
-  return measured;
-});
+/** @type {WeakMap<Float32Array, (column: Float32Array) => Float32Array>} */
+const countedIn = new WeakMap();
+
+/**
+ * A column where the model is held against what was measured: what counts for nothing sets no axis, and is no dot.
+ * @param {Float32Array} model
+ * @param {Float32Array} column
+ */
+function counted(model, column) {
+  const known = countedIn.get(model) ?? remembered((/** @type {Float32Array} */ values) => values.map((value, i) => (model[i] === model[i] ? value : NaN)));
+  countedIn.set(model, known);
+  return known(column);
+}
+
+/** What was recorded where nothing is fitted to it, be it masked, at rest or at an end. */
+const notCounted = remembered((/** @type {Float32Array} */ fitted, /** @type {Float32Array} */ tau, /** @type {Float32Array} */ masked) =>
+  fitted.map((value, i) => (value === value ? NaN : masked[i] === masked[i] ? masked[i] : tau[i])),
+);
 
 const span = remembered((/** @type {Float32Array} */ x) => limits([x], { air: 0.01 }));
 

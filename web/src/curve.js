@@ -9,7 +9,7 @@ import { torqueScale } from "./numbers.js";
 /** @typedef {{unit: string, peak: number, coordinate: "rotary" | "linear"}} About */
 
 /** @type {Record<string, import("./contents.js").Along>} what formulas call the axes */
-const ALONG = { t: "time", theta: "position", omega: "velocity", alpha: "acceleration", s: "history" };
+const ALONG = { t: "time", theta: "position", omega: "velocity", alpha: "acceleration", s: "history", load: "load" };
 
 /**
  * @param {HTMLCanvasElement} canvas
@@ -91,4 +91,10 @@ export function overWords(over, about) {
   if (!along) return over;
   const label = labelOf(along, about);
   return inside === over ? label : `|${label.replace(", ", "|, ")}`;
+}
+
+/** A variable of a law in words. @param {string} variable */
+export function variableOf(variable) {
+  const along = /** @type {Record<string, import("./contents.js").Along>} */ (ALONG)[variable];
+  return along ? AXES[along].words : variable;
 }

@@ -22,7 +22,23 @@ export function limitWords(about) {
     alpha_rad_s2: `${alpha.name}, ${alpha.unit}`,
     theta_min_rad: `from ${theta.name}, ${theta.unit}`,
     theta_max_rad: `to ${theta.name}, ${theta.unit}`,
+    duration_s: "at most, s",
+    sample_rate_hz: "recorded at, Hz",
   };
+}
+
+/**
+ * How wide a limit would have to be, in words; a range by its two ends.
+ * @param {Record<string, number>} wider limits by their names
+ * @param {Pick<import("./said.js").About, "coordinate" | "unit">} about
+ */
+export function enoughWords({ theta_min_rad: from, ...wider }, about) {
+  const { theta } = motionWords(about);
+  if (from !== undefined) return `${theta.name} from ${number(from)} to ${number(wider.theta_max_rad)} ${theta.unit}`;
+  const [[name, to]] = Object.entries(wider);
+  if (name === "duration_s") return `at most ${number(to)} s`;
+  const [called, unit] = (limitWords(about)[name] ?? name).split(", ");
+  return `${called} up to ${number(to, 4)} ${unit}`;
 }
 
 /**
@@ -31,7 +47,15 @@ export function limitWords(about) {
  * @param {Pick<import("./said.js").About, "coordinate" | "unit">} about
  */
 export function ofLimits(said, about) {
-  if (!said.startsWith("limits")) return said;
+  return said.startsWith("limits") ? inFormWords(said, about) : said;
+}
+
+/**
+ * Words with those of the form in the place of the names that files have for limits.
+ * @param {string} said
+ * @param {Pick<import("./said.js").About, "coordinate" | "unit">} about
+ */
+export function inFormWords(said, about) {
   const pairs = Object.entries(limitWords(about));
   return pairs.reduce((words, [name, called]) => words.replaceAll(name, `“${called}”`), said);
 }

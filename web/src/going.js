@@ -17,18 +17,30 @@ export function showLeft(left, { go, anew }) {
   byId("left-behind").hidden = left.length === 0;
   const rows = left.map((one) =>
     one.wrong === null
-      ? make("li", {}, make("button", { type: "button", class: "main", on: { click: () => go(one.id) } }, "Continue"), ` ${words(one)}`)
+      ? make(
+          "li",
+          { title: one.captures.join("\n") },
+          make("button", { type: "button", class: "main", on: { click: () => go(one.id) } }, "Continue"),
+          make("span", {}, make("strong", { text: called(one) }), " ", make("span", { class: "soft", text: words(one) })),
+        )
       : make("li", { class: "wrong", text: one.wrong }),
   );
   const other = make("button", { type: "button", on: { click: anew } }, "Start anew");
   byId("left-rows").replaceChildren(...rows, make("li", {}, other));
 }
 
-/** @param {Left} left */
-export function words({ captures, steps, ended, when }) {
-  const at = when === null ? "" : new Date(1000 * when).toLocaleString();
-  const fits = steps === 1 ? "one fit" : `${steps} fits`;
-  return `${captures.join(", ")}: ${fits}, ${ended ? "ended" : "broken off"} ${at}`;
+const FEW = 2; // captures that are called by their names
+
+/** Of which captures a session is: a few by their names. @param {Left} left */
+export function called({ captures }) {
+  const more = captures.length - FEW;
+  return more > 1 ? `${captures.slice(0, FEW).join(", ")} and ${more} more` : captures.join(", ");
+}
+
+/** What was done there, and when. @param {Left} left */
+export function words({ steps, ended, when }) {
+  const at = when === null ? "" : ` ${new Date(1000 * when).toLocaleString([], { dateStyle: "medium", timeStyle: "short" })}`;
+  return `${steps === 1 ? "one fit" : `${steps} fits`}, ${ended ? "ended" : "broken off"}${at}`;
 }
 
 /** Tells the server how the page looks, some time after the last change, so that it looks so again. */

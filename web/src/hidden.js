@@ -14,8 +14,8 @@ let asked = 0;
 export function unhiding(failed) {
   byId("unhide").addEventListener("click", async () => {
     try {
-      const told = await Promise.all(hiding.map((capture) => ask("hidden", { capture })));
-      byId("unhidden").textContent = [...new Set(told.map(({ hidden }) => hidden.map(titleOf).join(" and ")))].join("; ");
+      const told = await Promise.all(hiding.map((capture) => post("hidden", { capture })));
+      byId("unhidden").textContent = [...new Set(told.map(({ hidden }) => (hidden ?? []).map(titleOf).join(" and ")))].join("; ");
     } catch (reason) {
       failed(reason);
     }
@@ -42,23 +42,24 @@ export async function showHidden({ captures, active }) {
 }
 
 /** @param {import("./types.js").Challenge} challenge */
-function showStanding({ hints, more, wrong, found, hidden, solved, sealed, score }) {
+function showStanding({ hints, more, wrong, found, hidden, solved, given_up, sealed, score }) {
   document.body.classList.toggle("sealed", sealed);
   byId("unseal").hidden = !sealed;
-  byId("hides").classList.toggle("well", solved);
+  byId("hides").classList.toggle("well", solved && !given_up);
   byId("challenge-score").textContent = `${score} points`;
-  byId("challenge-said").textContent = standingWords({ wrong, found, hidden, solved });
+  byId("challenge-said").textContent = standingWords({ wrong, found, hidden, solved, given_up });
   byId("challenge-hints").replaceChildren(...hints.map((text) => make("li", { text })));
-  /** @type {HTMLButtonElement} */ (byId("hint")).disabled = !more || solved;
+  /** @type {HTMLButtonElement} */ (byId("hint")).disabled = !more || solved || given_up;
 }
 
 /**
  * How the search goes, in words.
- * @param {Pick<import("./types.js").Challenge, "wrong" | "found" | "hidden" | "solved">} standing
+ * @param {Pick<import("./types.js").Challenge, "wrong" | "found" | "hidden" | "solved" | "given_up">} standing
  */
-export function standingWords({ wrong, found, hidden, solved }) {
+export function standingWords({ wrong, found, hidden, solved, given_up }) {
   const many = hidden === 1 ? "one effect is hidden" : `${hidden} effects are hidden`;
   const costs = wrong.length > 0 ? `; not there: ${wrong.map(titleOf).join(", ")}` : "";
+  if (given_up) return `Given up: ${solved ? "what was hidden is in the model, after it was told" : "add what was hidden, and see the residual become noise"}${costs}.`;
   if (solved) return `Solved: what was hidden is in the model, and nothing that was not${costs}.`;
   if (found === hidden) return `All that is hidden is in the model, but so is something else${costs}.`;
   return `In this knob ${many}${found > 0 ? `, ${found} of them found` : ""}. Look where the residual has structure, and add what explains it${costs}.`;

@@ -6,6 +6,10 @@ import { number, torqueScale } from "./numbers.js";
 
 /** @typedef {import("./types.js").State} State */
 
+const FLOOR =
+  "What noise alone would leave. It is read from the torque and from what the model leaves of it, where that is quieter: an error that is the same in every stretch passes for noise until the model has what makes it, and then the floor falls.";
+const SAME = 0.1; // of itself that a floor is unsure by
+
 /**
  * @param {HTMLElement} place
  * @param {State} state
@@ -18,11 +22,11 @@ export function showLadder(place, state) {
   const { steps, at: here } = broughtAlong(sameCaptures(branch?.steps ?? [], branch?.at ?? 0), state.carried);
   const errors = steps.flatMap(({ rmse, rmse_heldout }) => [rmse, rmse_heldout]).concat(state.rmse);
   const floor = state.noise_floor;
-  const widest = Math.max(...errors.map((error) => error ?? 0), floor ?? 0) * 1.02;
+  const widest = Math.max(...errors.map((error) => error ?? 0), ...steps.map((step) => step.noise_floor ?? 0)) * 1.02;
   const scale = torqueScale(state);
   const shown = (/** @type {number | null} */ value) => number(value === null ? null : value * scale.factor);
 
-  const lines = steps.map(({ added, dropped, rmse, rmse_heldout }, at) => {
+  const lines = steps.map(({ added, dropped, rmse, rmse_heldout, noise_floor }, at) => {
     const now = at === here;
     const undone = at > here;
     const label = added ? `+ ${titleOf(added)}` : dropped ? `− ${titleOf(dropped)}` : at === 0 ? "first model" : "fitted anew";
@@ -31,7 +35,7 @@ export function showLadder(place, state) {
     bar.style.width = `${(100 * rmse) / widest}%`;
     if (now && at > 0) bar.style.setProperty("--from", `${(100 * steps[at - 1].rmse) / widest}%`); // from there it falls
     if (rmse_heldout !== null) held.style.left = `${(100 * rmse_heldout) / widest}%`;
-    const track = make("span", { class: "track" }, bar, rmse_heldout === null ? null : held, floorMark(floor, widest));
+    const track = make("span", { class: "track" }, bar, rmse_heldout === null ? null : held, floorMark(noise_floor, widest));
     return make(
       "li",
       { class: `ladder-line${now ? " now" : ""}${undone ? " undone" : ""}`, "aria-current": now ? "step" : null },
@@ -44,7 +48,7 @@ export function showLadder(place, state) {
   const head = make(
     "div",
     { class: "ladder-line head" },
-    make("span", { class: "legend", text: floor === null ? "noise floor unknown" : `▖noise floor ${shown(floor)}` }),
+    make("span", { class: "legend", text: floor === null ? "noise floor unknown" : `▖noise floor ${floorWords(steps, here, shown)}`, title: FLOOR }),
     make("span", { class: "figure", text: `RMS, ${scale.unit}` }),
     make("span", { class: "figure", text: "unseen" }),
   );
@@ -74,6 +78,18 @@ function sameCaptures(steps, at) {
 function broughtAlong({ steps, at }, carried) {
   const brought = carried.map((one) => ({ ...steps[0], dropped: null, ...one }));
   return brought.length > 1 ? { steps: [...brought, ...steps.slice(1)], at: at + brought.length - 1 } : { steps, at };
+}
+
+/**
+ * The floor of the current step, and what it was thought to be with the first model where that was clearly another.
+ * @param {{noise_floor: number | null}[]} steps
+ * @param {number} here
+ * @param {(value: number) => string} shown
+ */
+export function floorWords(steps, here, shown) {
+  const [now, first] = [steps[here].noise_floor ?? 0, steps[0].noise_floor ?? 0];
+  const other = now > 0 && first > 0 && Math.abs(now / first - 1) > SAME;
+  return other ? `${shown(now)} (${shown(first)} seen by the first model)` : shown(now);
 }
 
 /** @param {number | null} floor @param {number} widest */

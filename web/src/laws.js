@@ -1,7 +1,8 @@
 /** Laws for what no effect explains: looked for when asked, laid over the residuals, taken under a name. */
 
-import { curveWords, drawCurve } from "./curve.js";
+import { curveWords, drawCurve, variableOf } from "./curve.js";
 import { byId, make } from "./dom.js";
+import { writtenOf } from "./names.js";
 import { aboutOf, nodes } from "./said.js";
 import { drawSurface, surfaceWords } from "./surface.js";
 import { number as written, percent, torqueScale } from "./numbers.js";
@@ -59,12 +60,12 @@ export class Laws {
         return this.deeds.look(null);
       }
       const now = this.typing;
-      const words = await this.deeds.attempt(formula, ({ rmse, rmse_heldout, words: params }) => {
+      const words = await this.deeds.attempt(formula, ({ rmse, rmse_heldout, words: params, doubt }) => {
         if (now !== this.typing || !this.about) return;
         const scale = torqueScale(this.about);
         const unseen = rmse_heldout === null ? "" : `, ${written(rmse_heldout * scale.factor)} on unseen blocks`;
         said.className = "";
-        said.textContent = `would leave ${written(rmse * scale.factor)} ${scale.unit}${unseen}; ${params.join("; ")}`;
+        said.textContent = `would leave ${written(rmse * scale.factor)} ${scale.unit}${unseen}; ${[...params, ...(doubt ? [`⚠ ${doubt}`] : [])].join("; ")}`;
       });
       if (now !== this.typing || words === "") return undefined;
       said.className = "doubt";
@@ -121,16 +122,20 @@ export class Laws {
       });
       this.place.replaceChildren(make("p", {}, ask));
     } else {
+      const { coordinate } = this.about;
+      const said = proposed_said.map((part) => (typeof part === "string" ? writtenOf(part, coordinate) : part));
       const list = proposed.map((law, at) => this.item(law, at + 1, rmse ?? law.rmse));
       this.place.replaceChildren(
-        make("p", { class: "soft small", role: "status" }, ...nodes(proposed_said, this.about)),
+        make("p", { class: "soft small", role: "status" }, ...nodes(said, this.about)),
         ...(list.length > 0 ? [make("ul", { class: "laws", "aria-label": "laws that are proposed" }, ...list)] : []),
       );
     }
   }
 
   /** @param {Law} row @param {number} number @param {number} rmse what is left without it */
-  item({ label, law, words, rmse: left, start }, number, rmse) {
+  item({ label, law, variables, words, doubt, rmse: left, start }, number, rmse) {
+    const coordinate = this.about?.coordinate ?? "rotary";
+    const of = `of ${variables.map(variableOf).join(", ")}`;
     const edit = make("button", {
       ...{ type: "button", text: "Edit…", "aria-label": `edit law ${number}`, title: "as a formula of your own" },
       on: { click: () => edited(law, start) },
@@ -159,9 +164,10 @@ export class Laws {
     return make(
       "li",
       { class: "law", on: { pointerenter: look, pointerleave: away, focusin: look, focusout: away } },
-      make("code", { text: `${number}. ${label}` }),
+      make("code", { text: `${number}. ${writtenOf(label, coordinate)}`, title: `typed as ${law}` }),
       make("span", { class: "figure", text: percent(left / rmse - 1), title: "fall of the RMS error" }),
-      make("span", { class: "soft", text: words.join("; ") }),
+      make("span", { class: "soft", text: [...words, of].join("; ") }),
+      doubt ? make("span", { class: "doubt", text: `⚠ ${doubt}` }) : null,
       form,
     );
   }

@@ -82,7 +82,7 @@ export class Linked {
    */
   show(data, view) {
     const { columns } = data;
-    if (this.data && this.data.columns.t.length !== columns.t.length) {
+    if (this.data && (this.data.columns.t.length !== columns.t.length || this.data.of !== data.of)) {
       this.clear();
       this.moment.none();
       this.seen.fill(null);

@@ -129,7 +129,7 @@ function within({ target }) {
 }
 
 function keys() {
-  const words = { measured: "measured", modelled: "modelled", wrong: "residual", chosen: "chosen", noise: "± 2 noise floor" };
+  const words = { measured: "measured", modelled: "modelled", masked: "not fitted", wrong: "residual", chosen: "chosen", noise: "± 2 noise floor" };
   return Object.entries(words).map(([name, text]) => make("span", { class: "key" }, make("i", { class: name }), text));
 }
 

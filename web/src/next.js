@@ -3,14 +3,15 @@
 import { Refusal, ask, fetchBytes, post, wordsOf } from "./api.js";
 import { limits } from "./axes.js";
 import { byId, make } from "./dom.js";
-import { bars, limitWords } from "./evidence.js";
+import { bars, inFormWords, ofLimits } from "./evidence.js";
 import { Metronome } from "./metronome.js";
-import { listed } from "./names.js";
 import { motionWords, number, torqueScale, torqueWord } from "./numbers.js";
 import { Plot } from "./plot.js";
 import { aboutOf, nodes } from "./said.js";
 import { decode } from "./store.js";
 import { timed } from "./timing.js";
+import { insteadOf, showUntold } from "./untold.js";
+import { Within } from "./within.js";
 
 /** @typedef {import("./types.js").Experiment} Experiment */
 /** @typedef {import("./types.js").State} State */
@@ -28,6 +29,7 @@ export class Next {
   constructor(deeds) {
     this.deeds = deeds;
     this.metronome = new Metronome(deeds.where);
+    this.within = new Within(() => this.design(this.effects ?? this.rivals));
     this.plots = ["angle over time", "velocity over angle", "torques of the rivals"].map(
       (name) => new Plot(`${name} of the next experiment`, () => {}),
     );
@@ -60,9 +62,9 @@ export class Next {
       this.fromPort({});
     });
     byId("rig-clear").addEventListener("click", () => this.fromPort({ clear_fault: this.fault }));
-    byId("next-limits").addEventListener("submit", (event) => {
-      event.preventDefault();
-      this.designAgain();
+    byId("next-bounds").addEventListener("click", () => {
+      this.open();
+      /** @type {HTMLDetailsElement} */ (byId("next-within")).open = true;
     });
   }
 
@@ -71,40 +73,57 @@ export class Next {
     return this.state?.experiment ?? null;
   }
 
+  /** The effects that the motion which is shown is for; none where it is for a parameter. @returns {string[]} */
+  get rivals() {
+    const rivals = this.told?.rivals ?? [];
+    return rivals.length > 1 ? rivals.map((rival) => effectsOf(rival).at(-1) ?? "") : [];
+  }
+
   /**
-   * Design a motion for effects, and show it; for none: for what is known least.
+   * Design a motion for effects, and show it; for none: for what is known least. Where none is within the limits, they
+   * are shown in its place.
    * @param {string[]} effects
-   * @param {object} [within]
    * @returns {Promise<boolean>} whether there is one
    */
-  async design(effects, within = {}) {
+  async design(effects) {
     this.effects = effects;
     const by_hand = /** @type {HTMLInputElement} */ (byId("next-only-hand")).checked;
     this.enable(false);
-    const made = await this.deeds.design({ effects, limits: within, by_hand });
-    this.enable(true);
-    if (made) this.open();
-    return Boolean(made);
+    this.refuse("");
+    try {
+      await this.deeds.design({ effects, limits: this.within.wanted, by_hand });
+      this.open();
+      return true;
+    } catch (reason) {
+      const words = this.state ? ofLimits(wordsOf(reason), aboutOf(this.state)) : "";
+      if (!words.startsWith("limits")) {
+        this.deeds.failed(reason);
+        return false;
+      }
+      this.open();
+      this.refuse(words, reason instanceof Refusal ? reason.enough : null);
+      return false;
+    } finally {
+      this.enable(true);
+    }
+  }
+
+  /**
+   * Say why there is no motion, and with which limit there would be one; nothing where there is.
+   * @param {string} words
+   * @param {import("./types.js").Enough | null} [enough]
+   */
+  refuse(words, enough = this.told?.change ?? null) {
+    byId("next-refused").textContent = words;
+    if (words) /** @type {HTMLDetailsElement} */ (byId("next-within")).open = true;
+    if (this.state) this.within.offer(enough, this.state);
   }
 
   /** What makes another one waits for this one. @param {boolean} free */
   enable(free) {
-    for (const id of ["next-record", "next-port", "next-again", "next-hand", "next-show"]) {
+    for (const id of ["next-record", "next-port", "next-again", "next-hand", "next-show", "next-enough"]) {
       /** @type {HTMLButtonElement} */ (byId(id)).disabled = !free;
     }
-  }
-
-  /** Design it anew within the limits that are typed. */
-  designAgain() {
-    /** @type {Record<string, unknown>} */
-    const within = {};
-    for (const [name, value] of new FormData(/** @type {HTMLFormElement} */ (byId("next-limits")))) {
-      const typed = Number(value);
-      within[name] = String(value).trim() && Number.isFinite(typed) ? typed : value;
-    }
-    const rivals = this.told?.rivals ?? [];
-    const before = rivals.length > 1 ? rivals.map((rival) => effectsOf(rival).at(-1) ?? "") : [];
-    return this.design(this.effects ?? before, within);
   }
 
   open() {
@@ -122,14 +141,20 @@ export class Next {
   /** @param {State} state */
   show(state) {
     this.state = state;
+    showUntold(byId("untold"), state, (effects) => this.design(effects));
     const { experiment, node, recording, candidates } = state;
     byId("next-line").hidden = experiment === null && !(candidates.ready && node !== null);
     byId("next-show").textContent = experiment ? "Next experiment…" : "What to record next…";
     const instead = experiment === null ? insteadOf(state) : "";
     byId("next-show").hidden = instead !== "";
+    byId("next-bounds").hidden = instead !== "";
+    byId("next").classList.toggle("without", experiment === null);
+    if (node === null) byId("next").hidden = true;
+    this.within.show(state);
     if (experiment === null) {
-      byId("next").hidden = true;
       byId("next-said").textContent = instead;
+      for (const id of ["next-time", "next-headline", "next-verdict"]) byId(id).textContent = "";
+      byId("next-again").textContent = "Design";
       return;
     }
     // How it moves is told where it is shown.
@@ -145,10 +170,15 @@ export class Next {
 
   /** @param {Experiment} experiment @param {State} state */
   tell(experiment, state) {
-    const { headline, verdict, source, pairs, steps, by_hand, seconds, limits: within } = experiment;
+    const { headline, verdict, source, pairs, steps, by_hand, seconds } = experiment;
     const about = aboutOf(state);
+    if (experiment.capture === null) this.within.adopt(experiment.limits);
+    this.within.show(state);
+    this.refuse("");
+    byId("next-again").textContent = "Design again";
     byId("next-time").textContent = `${number(seconds)} s`;
-    byId("next-headline").replaceChildren(...nodes(headline, about));
+    const called = headline.map((part) => (typeof part === "string" ? inFormWords(part, about) : part));
+    byId("next-headline").replaceChildren(...nodes(called, about));
     byId("next-verdict").replaceChildren(...nodes(verdict ?? [], about));
     byId("next-record").hidden = source === null;
     byId("next-record").textContent = experiment.capture ? "Record it again" : "Record it";
@@ -162,13 +192,6 @@ export class Next {
     byId("next-can").textContent = by_hand ? `By hand, led by a metronome${led}` : "For a motor";
     byId("next-no-hand").hidden = by_hand;
     byId("next-steps").replaceChildren(...(by_hand ? steps : []).map(({ words }) => make("li", {}, words)));
-    const words = limitWords(about);
-    for (const [name, value] of Object.entries(within)) {
-      const field = byId("next-limits").querySelector(`[name=${name}]`);
-      if (!(field instanceof HTMLInputElement)) continue;
-      field.value = String(Number(value.toPrecision(4)));
-      if (name in words && field.previousElementSibling) field.previousElementSibling.textContent = words[name];
-    }
   }
 
   /** @param {Experiment} experiment @param {State} state */
@@ -276,7 +299,8 @@ export class Next {
   async lead() {
     if (this.told && !this.told.by_hand) {
       /** @type {HTMLInputElement} */ (byId("next-only-hand")).checked = true;
-      if (!(await this.designAgain())) return;
+      this.within.read();
+      if (!(await this.design(this.effects ?? this.rivals))) return;
     }
     await this.loading;
     const { told, motion, state } = this;
@@ -302,38 +326,6 @@ export class Next {
       this.deeds.failed(reason);
     }
   }
-}
-
-/**
- * What is to be done before a motion is designed, or recorded in its place: for a model that lacks something it would
- * only make known better what is wrong. Nothing where captures could not tell effects apart.
- * @param {State} state
- */
-export function insteadOf({ candidates, record, untold }) {
-  if (untold.length > 0) return "";
-  if (candidates.rows.some(({ could_be: could }) => could)) return "What to record next: that is known once what is missing is in the model.";
-  return record ? `What to record next, to see what it is: ${record}.` : "";
-}
-
-/**
- * Say what captures could not tell of what came in, with a button for each.
- * @param {HTMLElement} place
- * @param {State} state
- * @param {(effects: string[]) => void} apart
- */
-export function showUntold(place, { untold }, apart) {
-  const rows = untold.map((effects) =>
-    make(
-      "li",
-      {},
-      ...listed([effects[0]], ""),
-      " came in; these captures cannot tell it from ",
-      ...listed(effects.slice(1), ", "),
-      ". ",
-      make("button", { type: "button", text: "Tell apart…", on: { click: () => apart(effects) } }),
-    ),
-  );
-  place.replaceChildren(...rows);
 }
 
 function rig() {

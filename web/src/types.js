@@ -61,6 +61,39 @@
  */
 
 /**
+ * A limit, and how wide it would have to be.
+ * @typedef {{limit: string, to: number}} Enough
+ */
+
+/**
+ * Two rivals: D that a motion promises, that of the best standard one, and what came (null: not yet).
+ * @typedef
+ *   {{names: [(string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[], (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[]],
+ *   d: number, standard_d: number, wrong_choice: number, came: number | null}} Pair
+ */
+
+/**
+ * What a hand has to do, in words; `beats` a minute, 0: none; why it `cannot`, empty where it can.
+ * @typedef {{words: string, seconds: number, beats: number, cannot: string}} HandStep
+ */
+
+/**
+ * A motion that tells rivals apart from D = `told` on; `verdict` is what its recording `capture` told.
+ *
+ * Of one rival alone it makes a parameter known better. `headline` is what it `promises` and how it moves,
+ * `source` what it can be recorded from at once, in words. Rivals that it does not tell apart are with
+ * `change`, if that is known.
+ * @typedef {{id: string,
+ *   rivals: ((string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[])[],
+ *   promises: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
+ *   headline: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
+ *   separable: boolean, seconds: number, limits: Record<string, number>, change: Enough | null, pairs: Pair[],
+ *   told: number, by_hand: boolean, steps: HandStep[], source: string | null, capture: string | null,
+ *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[] | null}}
+ *   Experiment
+ */
+
+/**
  * What the quality check found in a capture, and whether a person has `overruled` it, by its `key`.
  *
  * `stands` is why nobody can, `seen` whether it names samples; a "note" changes nothing.
@@ -78,8 +111,10 @@
 
 /**
  * A fit on the way of a branch; `anew` of a model of its own, not that of the step before.
+ *
+ * `noise_floor`, where it is known, is read from what the model leaves too: it may fall with that.
  * @typedef {{node: string, anew: boolean, added: string | null, dropped: string | null, rmse: number,
- *   rmse_heldout: number | null, captures: string[]}} Step
+ *   rmse_heldout: number | null, noise_floor: number | null, captures: string[]}} Step
  */
 
 /**
@@ -89,7 +124,7 @@
 
 /**
  * A step to what a model brought along to other captures, fitted to these.
- * @typedef {{added: string | null, rmse: number, rmse_heldout: number | null}} Carried
+ * @typedef {{added: string | null, rmse: number, rmse_heldout: number | null, noise_floor: number | null}} Carried
  */
 
 /**
@@ -124,6 +159,8 @@
 
 /**
  * An effect that could be missing, with what speaks for it and against it; `said` is `word` in words.
+ *
+ * `unsettled` says which of its values are not determined, where that is most of them.
  * @typedef {{effect: string, place: string, law: string, source: string, shows: string, confused: string[],
  *   title: string, name: string, about: string, causes: string[], remedies: string[], latex: string, over: string,
  *   friction: boolean,
@@ -132,7 +169,7 @@
  *   could_be: boolean, beyond_chance: boolean, p_value: number, error_fall: number, rmse_heldout: number | null,
  *   moved: Record<string, Movement>, equivalent: string[],
  *   implausible: ((string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[])[],
- *   note: string}} Candidate
+ *   unsettled: string, note: string}} Candidate
  */
 
 /**
@@ -149,40 +186,15 @@
 
 /**
  * What would explain what no effect does, in words; `law` and its values as one types them to `start`.
- * @typedef {{label: string, rmse: number, rmse_heldout: number | null, law: string, words: string[],
- *   start: string}} Law
+ *
+ * `variables` are what it is of; `doubt` says which of its values are not determined, if any.
+ * @typedef {{label: string, rmse: number, rmse_heldout: number | null, law: string, variables: string[],
+ *   words: string[], doubt: string, start: string}} Law
  */
 
 /**
  * What is being done; `done` from 0 to 1, null while nobody can tell.
  * @typedef {{id: string, what: string, done: number | null, recording: boolean}} Job
- */
-
-/**
- * Two rivals: D that a motion promises, that of the best standard one, and what came (null: not yet).
- * @typedef
- *   {{names: [(string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[], (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[]],
- *   d: number, standard_d: number, wrong_choice: number, came: number | null}} Pair
- */
-
-/**
- * What a hand has to do, in words; `beats` a minute, 0: none; why it `cannot`, empty where it can.
- * @typedef {{words: string, seconds: number, beats: number, cannot: string}} HandStep
- */
-
-/**
- * A motion that tells rivals apart from D = `told` on; `verdict` is what its recording `capture` told.
- *
- * Of one rival alone it makes a parameter known better. `headline` is what it `promises` and how it moves,
- * `source` what it can be recorded from at once, in words.
- * @typedef {{id: string,
- *   rivals: ((string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[])[],
- *   promises: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
- *   headline: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
- *   separable: boolean, seconds: number, limits: Record<string, number>, pairs: Pair[], told: number,
- *   by_hand: boolean, steps: HandStep[], source: string | null, capture: string | null,
- *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[] | null}}
- *   Experiment
  */
 
 /**
@@ -202,19 +214,24 @@
 /**
  * What a session has; before the first capture there is no node, `proposed` is null until it is asked.
  *
- * Of the effects in each of `untold` one is in the model, not known which. `verdict` is said after what is
+ * Of the effects in each of `untold` one is in the model, not known which. What came in and is not named in
+ * what is said is `added`. `verdict` is said after what is
  * `concluded`, if anything is; `record` is what to record next to see more of what no effect explains.
- * `peak` is the largest torque, `titles` those of all effects.
+ * `peak` is the largest torque, `titles` those of all effects. `limits` are those that the captures reached,
+ * within which a motion is designed unless others are given; `below_hz` is the edge of the filter that
+ * torques are seen through, null where they are seen as they came.
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, peak: number,
- *   params: Param[], together: Together[], rmse: number | null, rmse_heldout: number | null,
+ *   below_hz: number | null, params: Param[], together: Together[], rmse: number | null,
+ *   rmse_heldout: number | null, added: string[],
  *   concluded: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   record: string | null, carried: Carried[], ladder: LadderStep[], candidates: Candidates, warnings: string[],
  *   limitations: string[], titles: Record<string, string>, absent: Effect[], untold: string[][],
  *   proposed: Law[] | null,
  *   proposed_said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
- *   curve: Curve | null, surface: Surface | null, experiment: Experiment | null}} Session
+ *   curve: Curve | null, surface: Surface | null, limits: Record<string, number> | null,
+ *   experiment: Experiment | null}} Session
  */
 
 /**
@@ -243,15 +260,17 @@
  * The answer of `GET /api/state`: a session, what is being done to it, and what can go on.
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, peak: number,
- *   params: Param[], together: Together[], rmse: number | null, rmse_heldout: number | null,
+ *   below_hz: number | null, params: Param[], together: Together[], rmse: number | null,
+ *   rmse_heldout: number | null, added: string[],
  *   concluded: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   record: string | null, carried: Carried[], ladder: LadderStep[], candidates: Candidates, warnings: string[],
  *   limitations: string[], titles: Record<string, string>, absent: Effect[], untold: string[][],
  *   proposed: Law[] | null,
  *   proposed_said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
- *   curve: Curve | null, surface: Surface | null, experiment: Experiment | null, job: Job | null,
- *   recording: boolean, looked: Looked | null, unread: string[], left: Left[], notes: string[]}} State
+ *   curve: Curve | null, surface: Surface | null, limits: Record<string, number> | null,
+ *   experiment: Experiment | null, job: Job | null, recording: boolean, looked: Looked | null, unread: string[],
+ *   left: Left[], notes: string[]}} State
  */
 
 /**
@@ -274,9 +293,9 @@
 /**
  * What linked plots show: models held against captures of `all` samples, torques up to `peak`.
  *
- * `titles` are those of all effects.
- * @typedef {{unit: string, peak: number, coordinate: "rotary" | "linear", noise: number | null,
- *   titles: Record<string, string>, all: number, steps: ShownStep[]}} Shown
+ * `titles` are those of all effects; `below_hz` as of `Session`.
+ * @typedef {{unit: string, peak: number, below_hz: number | null, coordinate: "rotary" | "linear",
+ *   noise: number | null, titles: Record<string, string>, all: number, steps: ShownStep[]}} Shown
  */
 
 /**
@@ -288,15 +307,15 @@
 
 /**
  * The same where `n` of the samples are carried along.
- * @typedef {{unit: string, peak: number, coordinate: "rotary" | "linear", noise: number | null,
- *   titles: Record<string, string>, all: number, steps: ShownStep[], n: number}} Head
+ * @typedef {{unit: string, peak: number, below_hz: number | null, coordinate: "rotary" | "linear",
+ *   noise: number | null, titles: Record<string, string>, all: number, steps: ShownStep[], n: number}} Head
  */
 
 /**
  * What a page holds in itself: columns, of each step its residual and what each candidate explains.
- * @typedef {{unit: string, peak: number, coordinate: "rotary" | "linear", noise: number | null,
- *   titles: Record<string, string>, all: number, steps: ShownStep[], n: number, columns: Record<string, Packed>,
- *   residuals: Packed[], signatures: Record<string, Packed>[]}} Kept
+ * @typedef {{unit: string, peak: number, below_hz: number | null, coordinate: "rotary" | "linear",
+ *   noise: number | null, titles: Record<string, string>, all: number, steps: ShownStep[], n: number,
+ *   columns: Record<string, Packed>, residuals: Packed[], signatures: Record<string, Packed>[]}} Kept
  */
 
 /**
@@ -348,13 +367,15 @@
 /**
  * What more there may be to say: `columns` of a file that could not be taken for a capture, a `fault`.
  *
- * `guess` has the columns of a capture that the file's seem to be.
- * @typedef {{columns?: FileColumn[], guess?: Record<string, Guess>, fault?: Fault}} Why
+ * `guess` has the columns of a capture that the file's seem to be, `enough` the limit with which there would
+ * be a motion.
+ * @typedef {{columns?: FileColumn[], guess?: Record<string, Guess>, fault?: Fault, enough?: Enough}} Why
  */
 
 /**
  * What is wrong with a request.
- * @typedef {{columns?: FileColumn[], guess?: Record<string, Guess>, fault?: Fault, error: string}} Refused
+ * @typedef {{columns?: FileColumn[], guess?: Record<string, Guess>, fault?: Fault, enough?: Enough,
+ *   error: string}} Refused
  */
 
 /**
@@ -362,9 +383,9 @@
  *
  * `more`: whether there is another hint; `wrong` effects were added and are not there; of the `hidden` ones
  * so many are `found`, and `solved` says that nothing else is in the model. While it is `sealed` what the
- * program thinks is not shown.
+ * program thinks is not shown; `given_up`: what is hidden was told before it was found.
  * @typedef {{hints: string[], more: boolean, wrong: string[], found: number, hidden: number, solved: boolean,
- *   sealed: boolean, score: number}} Challenge
+ *   given_up: boolean, sealed: boolean, score: number}} Challenge
  */
 
 /**

@@ -17,12 +17,12 @@ import { sentence, wordsOfPart } from "./said.js";
 /**
  * Show a verdict; it is announced only where its words have changed.
  * @param {HTMLElement} element
- * @param {Pick<State, "concluded" | "verdict" | "candidates" | "titles">} told
+ * @param {Pick<State, "added" | "concluded" | "verdict" | "candidates" | "titles">} told
  * @param {import("./said.js").About} about
  * @param {To} to
  */
-export function showVerdict(element, { concluded, verdict, candidates, titles }, about, to) {
-  const key = JSON.stringify([concluded, verdict, candidates, about, titles]);
+export function showVerdict(element, { added, concluded, verdict, candidates, titles }, about, to) {
+  const key = JSON.stringify([added, concluded, verdict, candidates, about, titles]);
   if (element.dataset.told === key) return;
   element.dataset.told = key;
   const worst = [...concluded, ...verdict].find((part) => typeof part === "object" && "low" in part);
@@ -32,8 +32,23 @@ export function showVerdict(element, { concluded, verdict, candidates, titles },
     return leads ? link({ words, ...leads }) : words;
   };
   const first = plainly(candidates, about, to).map((part) => (typeof part === "string" ? part : link(part)));
-  const head = [...first, ...concluded.map(shown)];
+  const head = beside(added, [...first, ...concluded.map(shown)]);
   element.replaceChildren(...(head.length > 0 ? [make("strong", {}, ...head), " "] : []), ...verdict.map(shown));
+}
+
+/**
+ * A headline that says what the model has by now, where it does not name that anyway.
+ * @template {string | Node} T
+ * @param {string[]} added
+ * @param {T[]} head
+ */
+export function beside(added, [first, ...rest]) {
+  if (first === undefined) return [];
+  if (added.length === 0) return [first, ...rest];
+  const names = added.map(titleOf);
+  const all = names.length > 1 ? `${names.slice(0, -1).join(", ")} and ${names.at(-1)}` : names[0];
+  const begun = typeof first === "string" ? `${first.slice(0, 1).toLowerCase()}${first.slice(1)}` : first;
+  return [`With ${all} added: `, begun, ...rest];
 }
 
 /**
@@ -80,15 +95,16 @@ function link({ words, title, go, kind = "" }) {
 export function plainly({ ready, rows }, about, to) {
   const first = ready ? rows.find(({ could_be: could }) => could) : undefined;
   if (!first) return [];
-  const { effect, name, error_fall: fall, equivalent } = first;
+  const { effect, name, error_fall: fall, equivalent, unsettled } = first;
   const said = sentence(first.said, about);
   const lead = (/** @type {string} */ one) => ({ words: titleOf(one), ...towards(one, to) });
   return [
     `${said.slice(0, 1).toUpperCase()}${said.slice(1)}: ${name} (`,
     lead(effect),
     `), which takes ${percent(fall)} off the error. `,
+    ...(unsettled ? [`But ${unsettled}. `] : []),
     { words: "Add it", title: "take it into the model, and fit it", go: () => to.add(effect) },
-    ", and see what is left.",
+    unsettled ? " to see what is left, not for its values." : ", and see what is left.",
     ...(equivalent.length > 0 ? tied(equivalent.map(lead), () => to.apart([effect, ...equivalent])) : []),
   ];
 }

@@ -6,7 +6,7 @@ import { labelWithin } from "../src/axes.js";
 import { ticks, unitWords } from "../src/numbers.js";
 import { known, paramOf } from "../src/names.js";
 import { sentence } from "../src/said.js";
-import { plainly } from "../src/verdict.js";
+import { beside, plainly } from "../src/verdict.js";
 
 const KNOB = /** @type {const} */ ({ unit: "N m", peak: 0.02, coordinate: "rotary" });
 
@@ -44,6 +44,8 @@ test("a verdict begins with what is missing in plain words, and with what to do 
   const to = /** @type {any} */ ({ add: (/** @type {string} */ one) => led.push(one), apart: (/** @type {string[]} */ all) => led.push(all.join()) });
   const said = (/** @type {any} */ candidates) => plainly(candidates, KNOB, to).map((part) => (typeof part === "string" ? part : part.words)).join("");
   assert.equal(said({ ready: true, rows: [row] }), "Missing: there are detents (detent), which takes 60 % off the error. Add it, and see what is left.");
+  const unsettled = { ready: true, rows: [{ ...row, unsettled: "none of its values is determined: each may be nothing as well" }] };
+  assert.match(said(unsettled), /off the error\. But none of its values is determined: .*\. Add it to see what is left, not for its values\.$/);
   const tied = { ready: true, rows: [{ ...row, equivalent: ["position_polynomial"] }] };
   assert.match(said(tied), /looks the same with smooth torque over position: .* Tell apart designs what to record next/);
   for (const part of plainly(/** @type {any} */ (tied), KNOB, to)) if (typeof part === "object" && /Add|Tell/.test(part.words)) part.go();
@@ -52,9 +54,17 @@ test("a verdict begins with what is missing in plain words, and with what to do 
   assert.equal(said({ ready: true, rows: [{ ...row, could_be: false }] }), "");
 });
 
+test("a headline says what was added to the model that it is of", () => {
+  known({ titles: { torque_drift: "torque drift" } });
+  assert.deepEqual(beside(["detent", "torque_drift", "law"], ["What is left", " is chance."]), ["With detent, torque drift and law added: ", "what is left", " is chance."]);
+  assert.deepEqual(beside(["torque_drift"], ["Missing: there are detents"]), ["With torque drift added: ", "missing: there are detents"]);
+  assert.deepEqual(beside([], ["Missing"]), ["Missing"]);
+  assert.deepEqual(beside(["detent"], []), []);
+});
+
 test("what to record next waits for what is missing, and says in words what shows more of what has no name", async () => {
   globalThis.location = /** @type {any} */ ({ search: "" });
-  const { insteadOf } = await import("../src/next.js");
+  const { insteadOf } = await import("../src/untold.js");
   const state = (/** @type {boolean} */ could, /** @type {string | null} */ record, /** @type {string[][]} */ untold = []) =>
     insteadOf(/** @type {any} */ ({ candidates: { rows: [{ could_be: could }] }, record, untold }));
   assert.match(state(true, null), /once what is missing is in the model/);

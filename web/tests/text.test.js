@@ -2,9 +2,10 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { limits } from "../src/axes.js";
-import { limitWords, ofLimits } from "../src/evidence.js";
+import { enoughWords, limitWords, ofLimits } from "../src/evidence.js";
 import { latest } from "../src/latest.js";
 import { apart, plusMinus } from "../src/params.js";
+import { wider } from "../src/within.js";
 import { number, percent, thousands, ticks, torqueScale, torqueWord } from "../src/numbers.js";
 
 test("numbers have a true minus and as many digits as they need", () => {
@@ -38,6 +39,15 @@ test("what is wrong with a limit is said in the words of its field", () => {
   const about = /** @type {const} */ ({ coordinate: "rotary", unit: "N m" });
   assert.equal(ofLimits("limits, omega_rad_s: is -1; give a number above 0", about), "limits, “velocity, rad/s”: is -1; give a number above 0");
   assert.equal(ofLimits("no file omega_rad_s", about), "no file omega_rad_s");
+});
+
+test("a wider limit is offered in words, a range by both of its ends", () => {
+  const about = /** @type {const} */ ({ coordinate: "rotary", unit: "A" });
+  const within = { theta_min_rad: 1, theta_max_rad: 2 };
+  assert.equal(enoughWords(wider({ limit: "torque_Nm", to: 0.35352 }, within), about), "current up to 0.3535 A");
+  assert.deepEqual(wider({ limit: "theta_max_rad", to: 2.5 }, within), { theta_min_rad: 0.5, theta_max_rad: 2.5 });
+  assert.equal(enoughWords(wider({ limit: "theta_max_rad", to: 2.5 }, within), about), "angle from 0.5 to 2.5 rad");
+  assert.equal(enoughWords({ duration_s: 20 }, about), "at most 20 s");
 });
 
 test("a period says how often it returns", () => {
@@ -78,4 +88,20 @@ test("a parameter says half its interval, that it is fixed, or that nothing dete
   assert.equal(plusMinus({ ci95: null, role: "fixed" }), "fixed");
   assert.equal(plusMinus({ ci95: null, role: "free" }), "± ?");
   assert.equal(plusMinus({ ci95: [1, 1], role: "free" }), "");
+});
+
+test("a law of an axis that slides is written with its position and velocity, and its variables are words", async () => {
+  const { writtenOf } = await import("../src/names.js");
+  const { variableOf } = await import("../src/curve.js");
+  assert.equal(writtenOf("a*sin(theta/P) + b*omega^2", "linear"), "a*sin(x/P) + b*v^2");
+  assert.equal(writtenOf("a*omega", "rotary"), "a*omega");
+  assert.deepEqual(["theta", "omega", "s", "load"].map(variableOf), ["position", "velocity", "distance since reversal", "modelled torque"]);
+});
+
+test("a floor that falls with what the model explains says what it was thought to be", async () => {
+  const { floorWords } = await import("../src/ladder.js");
+  const steps = [{ noise_floor: 0.202 }, { noise_floor: 0.2 }, { noise_floor: 0.08 }];
+  assert.equal(floorWords(steps, 2, String), "0.08 (0.202 seen by the first model)");
+  assert.deepEqual([0, 1].map((at) => floorWords(steps, at, String)), ["0.202", "0.2"]);
+  assert.equal(floorWords([{ noise_floor: null }, { noise_floor: 1 }], 1, String), "1");
 });

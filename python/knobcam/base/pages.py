@@ -8,6 +8,7 @@ on a linear axis; all else in SI too.
 from typing import Literal, TypedDict
 
 from .pages_left import Curve, Surface
+from .pages_next import Experiment
 from .pages_said import Advice, Along, Part
 
 Word = Literal["missing", "part", "alike", "less", "implausible", "too_little", "unpaid", "chance", "untold"]
@@ -42,7 +43,10 @@ class CaptureInfo(TypedDict):
 
 
 class Step(TypedDict):
-    """A fit on the way of a branch; `anew` of a model of its own, not that of the step before."""
+    """A fit on the way of a branch; `anew` of a model of its own, not that of the step before.
+
+    `noise_floor`, where it is known, is read from what the model leaves too: it may fall with that.
+    """
 
     node: str
     anew: bool
@@ -50,6 +54,7 @@ class Step(TypedDict):
     dropped: str | None
     rmse: float
     rmse_heldout: float | None
+    noise_floor: float | None
     captures: list[str]
 
 
@@ -68,6 +73,7 @@ class Carried(TypedDict):
     added: str | None
     rmse: float
     rmse_heldout: float | None
+    noise_floor: float | None
 
 
 class LadderStep(TypedDict):
@@ -128,7 +134,10 @@ class Movement(TypedDict):
 
 
 class Candidate(Effect):
-    """An effect that could be missing, with what speaks for it and against it; `said` is `word` in words."""
+    """An effect that could be missing, with what speaks for it and against it; `said` is `word` in words.
+
+    `unsettled` says which of its values are not determined, where that is most of them.
+    """
 
     word: Word
     said: list[Part]
@@ -140,6 +149,7 @@ class Candidate(Effect):
     moved: dict[str, Movement]
     equivalent: list[str]
     implausible: list[list[Part]]
+    unsettled: str
     note: str
 
 
@@ -161,10 +171,15 @@ class Candidates(TypedDict):
 
 
 class Law(LadderStep):
-    """What would explain what no effect does, in words; `law` and its values as one types them to `start`."""
+    """What would explain what no effect does, in words; `law` and its values as one types them to `start`.
+
+    `variables` are what it is of; `doubt` says which of its values are not determined, if any.
+    """
 
     law: str
+    variables: list[str]
     words: list[str]
+    doubt: str
     start: str
 
 
@@ -175,48 +190,6 @@ class Job(TypedDict):
     what: str
     done: float | None
     recording: bool
-
-
-class Pair(TypedDict):
-    """Two rivals: D that a motion promises, that of the best standard one, and what came (null: not yet)."""
-
-    names: tuple[list[Part], list[Part]]
-    d: float
-    standard_d: float
-    wrong_choice: float
-    came: float | None
-
-
-class HandStep(TypedDict):
-    """What a hand has to do, in words; `beats` a minute, 0: none; why it `cannot`, empty where it can."""
-
-    words: str
-    seconds: float
-    beats: float
-    cannot: str
-
-
-class Experiment(TypedDict):
-    """A motion that tells rivals apart from D = `told` on; `verdict` is what its recording `capture` told.
-
-    Of one rival alone it makes a parameter known better. `headline` is what it `promises` and how it moves,
-    `source` what it can be recorded from at once, in words.
-    """
-
-    id: str
-    rivals: list[list[Part]]
-    promises: list[Part]
-    headline: list[Part]
-    separable: bool
-    seconds: float
-    limits: dict[str, float]
-    pairs: list[Pair]
-    told: float
-    by_hand: bool
-    steps: list[HandStep]
-    source: str | None
-    capture: str | None
-    verdict: list[Part] | None
 
 
 USUAL: tuple[Along, ...] = ("position", "velocity", "time")
@@ -247,9 +220,12 @@ class Splits(TypedDict):
 class Session(TypedDict):
     """What a session has; before the first capture there is no node, `proposed` is null until it is asked.
 
-    Of the effects in each of `untold` one is in the model, not known which. `verdict` is said after what is
+    Of the effects in each of `untold` one is in the model, not known which. What came in and is not named in
+    what is said is `added`. `verdict` is said after what is
     `concluded`, if anything is; `record` is what to record next to see more of what no effect explains.
-    `peak` is the largest torque, `titles` those of all effects.
+    `peak` is the largest torque, `titles` those of all effects. `limits` are those that the captures reached,
+    within which a motion is designed unless others are given; `below_hz` is the edge of the filter that
+    torques are seen through, null where they are seen as they came.
     """
 
     schema: str
@@ -262,10 +238,12 @@ class Session(TypedDict):
     noise_floor: float | None
     unit: str
     peak: float
+    below_hz: float | None
     params: list[Param]
     together: list[Together]
     rmse: float | None
     rmse_heldout: float | None
+    added: list[str]
     concluded: list[Part]
     verdict: list[Part]
     record: str | None
@@ -281,6 +259,7 @@ class Session(TypedDict):
     proposed_said: list[Part]
     curve: Curve | None
     surface: Surface | None
+    limits: dict[str, float] | None
     experiment: Experiment | None
 
 
@@ -362,11 +341,12 @@ class ShownStep(TypedDict):
 class Shown(TypedDict):
     """What linked plots show: models held against captures of `all` samples, torques up to `peak`.
 
-    `titles` are those of all effects.
+    `titles` are those of all effects; `below_hz` as of `Session`.
     """
 
     unit: str
     peak: float
+    below_hz: float | None
     coordinate: Literal["rotary", "linear"]
     noise: float | None
     titles: dict[str, str]

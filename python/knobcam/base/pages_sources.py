@@ -5,6 +5,8 @@ The other half of the schema in `pages.py`, by the same rules.
 
 from typing import Literal, NotRequired, TypedDict
 
+from .pages_next import Enough
+
 
 class Knob(TypedDict):
     """A knob that can be simulated, and the effects that it can hide."""
@@ -90,12 +92,14 @@ class Fault(TypedDict):
 class Why(TypedDict, total=False):
     """What more there may be to say: `columns` of a file that could not be taken for a capture, a `fault`.
 
-    `guess` has the columns of a capture that the file's seem to be.
+    `guess` has the columns of a capture that the file's seem to be, `enough` the limit with which there would
+    be a motion.
     """
 
     columns: list[FileColumn]
     guess: dict[str, Guess]
     fault: Fault
+    enough: Enough
 
 
 class Refused(Why):
@@ -109,7 +113,7 @@ class Challenge(TypedDict):
 
     `more`: whether there is another hint; `wrong` effects were added and are not there; of the `hidden` ones
     so many are `found`, and `solved` says that nothing else is in the model. While it is `sealed` what the
-    program thinks is not shown.
+    program thinks is not shown; `given_up`: what is hidden was told before it was found.
     """
 
     hints: list[str]
@@ -118,6 +122,7 @@ class Challenge(TypedDict):
     found: int
     hidden: int
     solved: bool
+    given_up: bool
     sealed: bool
     score: int
 

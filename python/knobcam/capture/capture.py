@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -29,9 +29,10 @@ from .formats.columnmap import ColumnMap
 from .formats.resolve import contract, resolve
 from .formats.units import SI, VOLTAGES, Coordinate, torque_unit_of
 from .motor import as_torque
+from .person import as_told, without
 from .quality import check, check_size
 from .quality.limits import check_limits
-from .quality.ruled import Ruled, awaited, check_overruled
+from .quality.ruled import Ruled
 from .quality.torque import Limit, usual_limit
 from .reading import PLAIN, Reading
 
@@ -135,7 +136,7 @@ class Capture(showing.Tabled):
         rows = np.arange(1, len(columns["theta"]) + 1)
         checked_as = (limit, rate_hz, meta or {}, rows, "arrays", overrule)
         capture = _checked(columns, coordinate, torque_unit, *checked_as)
-        return capture._overruled("arrays", overrule)
+        return as_told(capture, "arrays", overrule)
 
     @property
     def axis(self) -> Coordinate:
@@ -166,10 +167,9 @@ class Capture(showing.Tabled):
         """Whether a person has overruled what was found of this kind in a column."""
         return any(one.overruled and (one.kind, one.column) == (kind, column) for one in self.findings)
 
-    def _overruled(self, source: str, overrule: Collection[str]) -> Capture:
-        """Return it with notes of what was overruled before it is found; InputError for what it cannot be."""
-        check_overruled(source, overrule, self.findings)
-        return replace(self, findings=(*self.findings, *awaited(overrule, self.findings)))
+    def leave_out(self, *stretches: tuple[float, float]) -> Capture:
+        """Return it with what lies in stretches of time masked, each from and to so many s."""
+        return without(self, str(self.meta.get("source", "capture")), stretches)
 
     def with_clipped(self) -> Capture:
         """Return the capture with those samples counted at which the torque sensor was at its limit."""
@@ -202,12 +202,11 @@ class Capture(showing.Tabled):
     @property
     def duration_s(self) -> float:
         """Time from the first to the last usable stamp (s)."""
-        stamps = self.t[self.mask]
-        return float(stamps[-1] - stamps[0]) if stamps.size else 0.0
+        return float(np.ptp(self.t[self.mask])) if self.mask.any() else 0.0
 
     @property
     def units(self) -> Mapping[str, str]:
-        """SI unit of each column, as its coordinate has it, or of the torque what it is in."""
+        """SI unit of each column; of the torque what it is in."""
         return MappingProxyType(SI[self.coordinate] | {"tau": self.torque_unit})
 
     @property
@@ -289,26 +288,28 @@ def load(
     resistance_ohm: float | None = None,
     limit: Limit | None = None,
     overrule: Collection[str] = (),
+    leave_out: Sequence[Sequence[float]] = (),
     max_bytes: int = DEFAULT_MAX_BYTES,
 ) -> Capture:
     """Read a capture: the native file, a wire log, CSV, JSON, .mat, .npy, .npz, HDF5, Parquet or a ROS 2 bag.
 
-    A file is known by its content. Of a wire log the last run is read, of several joints the one called
-    `joint`.
+    A file is known by its content. Of a wire log the last run is read, of several joints the one `joint`.
 
     Columns t_s, theta_rad, omega_rad_s, alpha_rad_s2, tau_Nm (or theta_m, omega_m_s, alpha_m_s2, tau_N; of a
     motor tau_A, tau_V, tau_duty) are understood, and others whose names are plain and unique, with their
     units (`pos_deg`, `Velocity (rpm)`): a finding says what was taken for what. Any others by `map`, for
     example `"t=c0, theta=c1/8192 [turn], tau=c2 [A]"`. `rate_hz` numbers the samples of a file without times.
-    `start` and `end` (s, on the capture's own clock) keep a part. `kt` and `resistance_ohm` make a torque of
-    what a motor was given, as `Capture.as_torque` does. A torque that sits at its extreme is at the `limit`
-    of its "sensor" and masked, or of the "actuator" and real, by default where it is in A, V or duty.
+    `start` and `end` (s, on the capture's own clock) keep a part; what lies in a stretch to `leave_out`, from
+    and to so many s, is masked. `kt` and `resistance_ohm` make a torque of what a motor was given, as
+    `Capture.as_torque` does. A torque that sits at its extreme is at the `limit` of its "sensor" and masked,
+    or of the "actuator" and real, by default where it is in A, V or duty.
 
     What is wrong with the samples is masked and listed in `findings`; what leaves no capture raises
     InputError. Nothing is done about those to `overrule`, by kind and column: `overrule=["wrap:theta"]`. Row
     numbers count the file's rows of data from 1. Files, and what they inflate to, may have up to `max_bytes`.
     """
-    reading = Reading(map, coordinate, rate_hz, start, end, joint, limit, max_bytes, tuple(overrule))
+    person = (tuple(overrule), tuple(leave_out))
+    reading = Reading(map, coordinate, rate_hz, start, end, joint, limit, max_bytes, *person)
     file = Path(path)
     capture = of_table(file, reading.table(file), reading)
     given = kt is not None or resistance_ohm is not None
@@ -349,7 +350,7 @@ def of_table(file: Path, table: Table, reading: Reading = PLAIN) -> Capture:
         capture = saved.restored(capture, native, table, keep, untouched)
         capture = capture if limit is None else saved.limited(capture, limit, rows[keep])
         capture = saved.ruled(capture, reading.overrule)
-        return capture._overruled(str(file), reading.overrule)
+        return as_told(capture, str(file), reading.overrule, reading.leave_out)
     limits = {name: at[keep] for name, at in table.limits.items() if name in capture.columns}
     ruled = Ruled(reading.overrule)
     clipped, found = check_limits(limits, capture.mask, rows[keep])
@@ -360,7 +361,7 @@ def of_table(file: Path, table: Table, reading: Reading = PLAIN) -> Capture:
         ruled.lets(check_size(capture.columns, capture.mask, capture.coordinate, taken))
     said = (*beside.findings, *capture.findings, *ruled.findings)
     capture = replace(capture, mask=capture.mask & ~clipped, findings=said)
-    return capture._overruled(str(file), reading.overrule)
+    return as_told(capture, str(file), reading.overrule, reading.leave_out)
 
 
 def _checked(

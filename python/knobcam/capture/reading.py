@@ -12,6 +12,7 @@ from .formats.clock import between
 from .quality.held import read_apart
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
     from ..base.arrays import BoolArray, FloatArray
@@ -35,6 +36,7 @@ class Reading:
     limit: Limit | None = None
     max_bytes: int = DEFAULT_MAX_BYTES
     overrule: tuple[str, ...] = ()
+    leave_out: tuple[Sequence[float], ...] = ()
 
     def table(self, file: Path) -> Table:
         """Return the content of a file."""

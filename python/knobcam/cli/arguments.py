@@ -168,6 +168,14 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
         metavar="KIND:COLUMN",
         help="leave a finding of the quality check undone: wrap:theta, clipped:tau, spike:tau",
     )
+    group.add_argument(
+        "--leave-out",
+        nargs="+",
+        action="extend",
+        type=stretch,
+        metavar="S:S",
+        help="mask what lies between two times, as 3.2:4.1, where a hand touched the knob, say",
+    )
     group.add_argument("--start", type=number, metavar="S", help="leave out what is before this time")
     group.add_argument("--end", type=number, metavar="S", help="leave out what is after this time")
 
@@ -198,6 +206,7 @@ def reading(args: argparse.Namespace) -> dict[str, Any]:
     options = {"coordinate": args.coordinate, "rate_hz": args.rate, "joint": args.joint}
     options |= {"kt": args.kt, "resistance_ohm": args.resistance, "limit": args.limit}
     options |= {"overrule": args.overrule} if args.overrule else {}
+    options |= {"leave_out": args.leave_out} if args.leave_out else {}
     return options | {"start": args.start, "end": args.end}
 
 
@@ -283,6 +292,14 @@ def number(text: str) -> float:
         return float(text)
     except ValueError:
         raise argparse.ArgumentTypeError(f"{text!r} is no number") from None
+
+
+def stretch(text: str) -> tuple[float, float]:
+    """Return two times for argparse."""
+    first, colon, last = text.partition(":")
+    if not colon:
+        raise argparse.ArgumentTypeError(f"{text!r} is no stretch of time; write it as 3.2:4.1")
+    return number(first), number(last)
 
 
 def whole(text: str) -> int:

@@ -18,6 +18,7 @@ from ..model.effects import clipping, descriptions, effects
 from ..model.effects import effect as catalogued
 from .absent import absent
 from .described import documented
+from .doubts import unsettled
 from .plausible import implausible
 from .refit import cores, describe, percent, with_clipped
 from .rule import RULE
@@ -136,6 +137,11 @@ class Candidate:
         same = said("cannot be told from {names}", names=names) if names else None
         return joined("; ", (self.said, same, *self.implausible, self.note))
 
+    @property
+    def unsettled(self) -> str:
+        """Which of its values the captures do not determine, where that is most of them; else nothing."""
+        return unsettled(self.row, self.parameters)
+
     def evidence(self) -> pages.Candidate:
         """Return what speaks for it and against it, as the pages list it."""
         return {
@@ -150,6 +156,7 @@ class Candidate:
             "moved": describe(self.moved),
             "equivalent": list(self.equivalent),
             "implausible": [one.document() for one in self.implausible],
+            "unsettled": self.unsettled,
             "note": self.note,
         }
 

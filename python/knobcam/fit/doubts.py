@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,13 +15,41 @@ from ..model.effects import base_effects
 from .plausible import REVERSED, torque_of
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from ..capture.prepare import Prepared
+    from ..model.effects import Effect
     from .estimate import Estimate
     from .fitting import Fit
 
 
 _SHARE = {0.0, 1.0}
 """Bounds of a share, none and all of it, which are as likely as any other."""
+
+
+_PLACE = re.compile("phase|rest angle|rest position|stop begins|border|end of the range")
+
+
+def unsettled(effect: Effect, estimates: Mapping[str, Estimate]) -> str:
+    """Return which values of an effect its captures do not determine, where that is most of them.
+
+    That is a value whose interval holds zero: as much as nothing of it. Of a phase or a place zero is a value
+    like any other.
+    """
+    own = {name.partition(".")[2]: one for name, one in estimates.items() if not one.held}
+    sizes = [name for name in own if not _PLACE.search(effect.parameter(name).meaning)]
+    unknown = [
+        name for name in sizes if not own[name].determined or own[name].ci95[0] <= 0.0 <= own[name].ci95[1]
+    ]
+    if not unknown or 2 * len(unknown) <= len(sizes):
+        return ""
+    if len(unknown) == len(sizes):
+        return "none of its values is determined: each may be nothing as well"
+    names = ", ".join(unknown)
+    are = "is" if len(unknown) == 1 else "are"
+    return (
+        f"{len(unknown)} of its {len(sizes)} values {are} not determined, and may be nothing as well: {names}"
+    )
 
 
 def at_floor(fit: Fit) -> bool:

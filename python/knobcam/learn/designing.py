@@ -17,8 +17,8 @@ from ..capture.by_hand import by_hand as steps_by_hand
 from ..capture.by_hand import hand_can, on_beats
 from ..errors import InputError
 from .contenders import contenders
-from .experiment import Change, Expected, Experiment, Sharpened
-from .limits import Limits
+from .experiment import Change, Expected, Experiment, NoMotion, Sharpened
+from .limits import MOST_S, Limits
 from .motion_space import Piece, bank, changed, plan, standard
 from .telling import TOLD, Rival, Telling
 
@@ -168,15 +168,18 @@ class _Design:
         twins = param is None and self._twins(first)
         pool = _best(first) if twins else self._searched(first, until, seed, _TRIES, self._plenty)
         if not pool:
-            raise InputError(
+            raise NoMotion(
                 f"limits: torque_Nm = {self.limits.torque_Nm:.4g} moves no rival, omega_rad_s = "
                 f"{self.limits.omega_rad_s:.4g} is too slow for the sensors to know the direction, or "
-                f"duration_s = {self.limits.duration_s:.4g} is too short for any motion; give more"
+                f"duration_s = {self.limits.duration_s:.4g} is too short for any motion; give more",
+                self._enough(),
             )
         tracks = [self._runnable(pieces, draws=True) for pieces in pool]
         known = [(motion, self._told(motion[0].track(self._search_hz()))[1]) for motion in tracks if motion]
         if not known:
-            raise InputError("limits, torque_Nm: too little for what the rivals may ask for; give more")
+            raise NoMotion(
+                "limits, torque_Nm: too little for what the rivals may ask for; give more", self._enough()
+            )
         (chosen, track), _ = max(known, key=lambda one: one[1])
         peak = (
             self.telling.peak(track, draws=True),
@@ -330,6 +333,25 @@ class _Design:
                 tracks.append(one)
         return tracks
 
+    def _enough(self) -> tuple[str, float] | None:
+        """Return the smallest change of one limit with which there is a motion: which limit, and to what.
+
+        None where none was found in the time that there is for it.
+        """
+        until = time.monotonic() + _CHANGE_S
+        for times in _FASTER:
+            for name in ("torque_Nm", "omega_rad_s", "duration_s"):
+                wider = replace(self, limits=_widened(self.limits, name, times))
+                for pieces in bank():
+                    if time.monotonic() > until:
+                        return None
+                    if self.between is not None:
+                        self.between()
+                    made = wider._runnable(pieces, draws=True)
+                    if made and wider._told(made[0].track(wider._search_hz()))[1] > -math.inf:
+                        return name, getattr(wider.limits, name)
+        return None
+
     def _change(self, pool: list[tuple[Piece, ...]], seed: int) -> Change | None:
         """Return the smallest change of one limit with which all rivals are told apart."""
         limits = "duration_s", "omega_rad_s", "alpha_rad_s2", "torque_Nm", "theta"
@@ -366,6 +388,7 @@ def _best(scored: Sequence[_Scored]) -> list[tuple[Piece, ...]]:
 
 def _widened(limits: Limits, name: str, times: float) -> Limits:
     if name != "theta":
-        return replace(limits, **{name: times * getattr(limits, name)})
+        wider = times * getattr(limits, name)
+        return replace(limits, **{name: min(wider, MOST_S) if name == "duration_s" else wider})
     half = times * limits.half
     return replace(limits, theta_min_rad=limits.middle - half, theta_max_rad=limits.middle + half)

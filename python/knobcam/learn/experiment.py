@@ -11,6 +11,7 @@ from ..base.said import OfParam, Said, joined, said
 from ..base.tables import TextTable, text_table
 from ..capture.motion_plan import MotionPlan
 from ..capture.motions import MotionTrack
+from ..errors import InputError
 from .limits import Limits
 from .telling import TOLD, Rival, apart, wrong_choice
 
@@ -52,6 +53,15 @@ class Change(NamedTuple):
     limit: str
     to: float
     d: float
+
+
+class NoMotion(InputError):
+    """No motion is within the limits; `enough` is a limit, and how wide it would have to be, where known."""
+
+    def __init__(self, message: str, enough: tuple[str, float] | None) -> None:
+        way = "" if enough is None else f": with {enough[0]} = {enough[1]:.4g} there is one"
+        super().__init__(f"{message}{way}")
+        self.enough = enough
 
 
 @dataclass(frozen=True, eq=False, repr=False)

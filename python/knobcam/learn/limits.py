@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from ..capture.prepare import Prepared
 
 LONGEST_S = 10.0
-_MOST_S = 600.0
+MOST_S = 600.0
+"""No motion takes longer."""
 _NUMBERS = (
     *("torque_Nm", "omega_rad_s", "alpha_rad_s2", "theta_min_rad", "theta_max_rad"),
     *("duration_s", "sample_rate_hz"),
@@ -56,8 +57,8 @@ class Limits:
                 f"limits, theta_min_rad: is {self.theta_min_rad:.6g}, not below theta_max_rad, "
                 f"{self.theta_max_rad:.6g}; nothing could move"
             )
-        if not self.duration_s <= _MOST_S:
-            raise InputError(f"limits, duration_s: is {self.duration_s:.6g} s; give at most {_MOST_S:.0f}")
+        if not self.duration_s <= MOST_S:
+            raise InputError(f"limits, duration_s: is {self.duration_s:.6g} s; give at most {MOST_S:.0f}")
         if not 10.0 <= self.sample_rate_hz <= 1e6:
             raise InputError(f"limits, sample_rate_hz: is {self.sample_rate_hz:.6g}; give 10 to 1e6")
 

@@ -7,6 +7,16 @@ from typing import Any
 
 _SLIDES = {
     "moment of inertia": "mass",
+    "there are detents": "there is an even ripple",
+    "second series of detents": "second even ripple",
+    "beside the detents": "beside the ripple",
+    "falls into evenly spaced valleys": "runs over evenly spaced valleys, as of a screw or a row of magnets,",
+    "falls into other valleys": "runs over other valleys",
+    "detent wheel": "screw or rack",
+    "detent spring": "spring",
+    "grease the detent": "grease the drive",
+    "detents": "ripples",
+    "detent": "ripple",
     "rest angle": "rest position",
     "certain angles": "certain places",
     "torques": "forces",

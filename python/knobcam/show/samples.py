@@ -79,6 +79,7 @@ def head(shown: Sequence[Shown]) -> pages.Shown:
     return {
         "unit": last.torque_unit,
         "peak": peak(last),
+        "below_hz": below_hz(last),
         "coordinate": last.model.coordinate,
         "noise": last.noise_floor,
         "titles": titles(last.model.coordinate),
@@ -90,6 +91,11 @@ def head(shown: Sequence[Shown]) -> pages.Shown:
 def peak(fit: Fit) -> float:
     """Return the largest torque that a model is fitted to, N m (or what stands for it), a magnitude."""
     return max(float(np.max(np.abs(one.tau[one.used]), initial=0.0)) for one in fit.prepared)
+
+
+def below_hz(fit: Fit) -> float | None:
+    """Return the edge of the filter that torques are seen through; None where they are seen as they came."""
+    return min((one.core.edge_hz for one in fit.prepared if one.core.edge_hz is not None), default=None)
 
 
 def measured(fit: Fit) -> dict[str, FloatArray]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from html import escape
 from typing import TYPE_CHECKING
 
@@ -9,6 +10,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from ..base.tables import Rows, TextTable
+
+_PER_CENT = re.compile(r"(?<=\d) %")
 
 
 def html_table(caption: str, head: Sequence[str], rows: Rows) -> str:
@@ -29,7 +32,12 @@ def _table(caption: str, inside: str) -> str:
 
 
 def _row(cells: Sequence[str], tag: str) -> str:
-    return "<tr>" + "".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in cells) + "</tr>"
+    return "<tr>" + "".join(f"<{tag}>{escape(_whole(cell))}</{tag}>" for cell in cells) + "</tr>"
+
+
+def _whole(cell: str) -> str:
+    """Return a cell in which no line ends between a number and its per cent."""
+    return _PER_CENT.sub("\u00a0%", cell)
 
 
 def _fact(name: str, value: str) -> str:

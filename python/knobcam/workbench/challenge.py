@@ -45,12 +45,16 @@ def levels() -> Mapping[str, Sequence[tuple[str, tuple[str, ...], int]]]:
     }
 
 
-def drawn(level: str) -> Simulated:
-    """Return a knob of a level, by chance. Raises InputError for a level that there is not."""
+def drawn(level: str, session: Session) -> Simulated:
+    """Return a knob of a level, by chance, that the session has not had; where it had all, any.
+
+    Raises InputError for a level that there is not.
+    """
     if level not in levels():
         raise InputError(f"level={level!r} is unknown; choose {', '.join(levels())}")
-    knob, hidden, seed = secrets.choice(levels()[level])
-    return Simulated(knob, hidden, "sweep", SECONDS, seed, level=level)
+    every = [Simulated(*one[:2], "sweep", SECONDS, one[2], level=level) for one in levels()[level]]
+    had = [Simulated.again(one.simulated) for one in session.captures.values() if one.simulated]
+    return secrets.choice([one for one in every if one not in had] or every)
 
 
 def standing(session: Session, capture: str) -> pages_sources.Challenge:
@@ -58,17 +62,22 @@ def standing(session: Session, capture: str) -> pages_sources.Challenge:
     opened = session.captures.get(capture)
     if opened is None or not opened.hidden:
         raise InputError(f"capture {capture!r} hides nothing; make a new one")
-    unsealed = bool(session.hints.get(f"{capture} list"))
-    taken = min(session.hints.get(capture, 0), len(_hints(opened.hidden)))
-    fits = [node for node in session.nodes.values() if capture in node.captures]
+    # One that was read again otherwise, with samples left out, say, is the same to be found.
+    first = opened.of or capture
+    same = {one.id for one in session.captures.values() if first in (one.of, one.id)}
+    unsealed, told = (bool(session.hints.get(f"{first} {what}")) for what in ("list", "told"))
+    taken = min(session.hints.get(first, 0), len(_hints(opened.hidden)))
+    fits = [node for node in session.nodes.values() if same & {*node.captures}]
     here = session.node
     base = {*base_effects_shown(opened.capture.coordinate)}
     if fits:
         base |= {*fits[0].fit.model.effects}
-    wrong = sorted(session.guessed.get(capture, set()) - base - {*opened.hidden})
+    guessed = set().union(*(session.guessed.get(one, set()) for one in same))
+    wrong = sorted(guessed - base - {*opened.hidden})
     own = {*here.fit.model.effects} if capture in here.captures else set()
     found = [one for one in opened.hidden if one in own]
     solved = len(found) == len(opened.hidden) and own <= base | {*opened.hidden}
+    score = 0 if told else max(0, PERFECT - HINT * taken - WRONG * len(wrong) - LIST * unsealed)
     return {
         "hints": _hints(opened.hidden)[:taken],
         "more": taken < len(_hints(opened.hidden)),
@@ -76,9 +85,23 @@ def standing(session: Session, capture: str) -> pages_sources.Challenge:
         "found": len(found),
         "hidden": len(opened.hidden),
         "solved": solved,
-        "sealed": bool((opened.simulated or {}).get("level")) and not (unsealed or solved),
-        "score": max(0, PERFECT - HINT * taken - WRONG * len(wrong) - LIST * unsealed),
+        "given_up": told,
+        "sealed": bool((opened.simulated or {}).get("level")) and not (unsealed or solved or told),
+        "score": score,
     }
+
+
+def answer(session: Session, capture: str) -> list[str]:
+    """Return what is hidden in a capture; who has not found it by then gives up.
+
+    Raises InputError for a capture that there is not.
+    """
+    opened = session.captures.get(capture)
+    if opened is None:
+        raise InputError(f"capture {capture!r} is not in this session")
+    if opened.hidden and not standing(session, capture)["solved"]:
+        _note(session, f"{opened.of or capture} told")
+    return list(opened.hidden)
 
 
 def hint(session: Session, capture: str, whole: bool) -> None:
@@ -87,7 +110,11 @@ def hint(session: Session, capture: str, whole: bool) -> None:
     Raises InputError for a capture that hides nothing.
     """
     standing(session, capture)
-    of = f"{capture} list" if whole else capture
+    first = session.captures[capture].of or capture
+    _note(session, f"{first} list" if whole else first)
+
+
+def _note(session: Session, of: str) -> None:
     with session.lock:
         session.hints[of] = session.hints.get(of, 0) + 1
         session.touched()

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import pages
+from ..base import pages_next
 from ..base.said import OfParam, Said, joined, said
 from ..capture.by_hand import by_hand, hand_can
 from ..capture.motion_plan import MotionPlan
 from ..fit import fit
 from ..fit.rule import RULE
 from ..learn.designing import SEARCH, next_experiment
+from ..learn.experiment import Change
 from ..learn.limits import Limits
 from ..learn.telling import TOLD, Telling, apart, wrong_choice
 from ..model import Model
@@ -75,6 +76,7 @@ class Designed:
     right: int | None = None
     known: Known | None = None
     promise: Said | None = None
+    change: Change | None = None
 
     def of_use(self, done: Sequence[Node]) -> bool:
         """Whether it is for a branch that came this way; one that was not recorded is for its model alone.
@@ -104,7 +106,7 @@ class Designed:
         found |= {f"rival {at}": torque for at, torque in enumerate(apart)}
         return {name: column[some] for name, column in found.items()}
 
-    def document(self, source: str | None) -> pages.Experiment:
+    def document(self, source: str | None) -> pages_next.Experiment:
         """Return what a page shows of it; `source` is what it can be recorded from at once, in words."""
         steps = by_hand(self.plan, self.models[0].coordinate)
         return {
@@ -115,6 +117,7 @@ class Designed:
             "separable": self.separable,
             "seconds": self.plan.seconds,
             "limits": self.limits.numbers,
+            "change": None if self.change is None else {"limit": self.change.limit, "to": self.change.to},
             "pairs": [
                 {
                     "names": (self.names[one.one].document(), self.names[one.other].document()),
@@ -162,6 +165,7 @@ class Designed:
         given["pairs"] = tuple(Pair(**pair) for pair in told["pairs"])
         known = told.get("known")  # which older journals do not have
         given["known"] = None if known is None else Known(**known)
+        given["change"] = Change(*told["change"]) if told.get("change") else None
         return cls(**given)
 
 
@@ -221,6 +225,7 @@ def _kept(found: Experiment, node: str) -> Designed:
         tuple(Pair(*one.pair, one.d, one.standard_d) for one in found.expected),
         known=next((Known(one.param, one.before) for one in found.sharpened), None),
         promise=found.promise,
+        change=found.change,
     )
 
 

@@ -219,7 +219,7 @@ def _capture(told: Record, journal: Journal) -> Opened:
         return Opened(told["id"], told["name"], capture, *origin, rig=told.get("rig"), of=told.get("of", ""))
 
     if told["simulated"] is not None:
-        return as_it_was(sources.Simulated.again(told["simulated"]).capture())
+        return as_it_was(sources.Simulated.again(told["simulated"]).capture(told["options"]))
     name, path = told["path"], Path(told["path"])
     if not path.is_absolute():  # handed over by a browser
         path = journal.handed(told["sha256"])

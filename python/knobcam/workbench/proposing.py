@@ -207,7 +207,9 @@ def tried(session: Session, law: str, start: Mapping[str, float], tell: Tell) ->
         "law": law,
         "rmse": richer.rmse,
         "rmse_heldout": richer.rmse_heldout,
+        "variables": [],
         "words": _in_words(own),
+        "doubt": doubt_of(own),
         "start": " ".join(f"{param}={e.value:.5g}" for param, e in own.items()),
     }
 
@@ -248,15 +250,26 @@ def _in_words(params: Mapping[str, Estimate]) -> list[str]:
     return [f"{name} = {e.value:.4g} {e.unit} ({e.interval})" for name, e in params.items()]
 
 
+def doubt_of(params: Mapping[str, Estimate]) -> str:
+    """Which values nobody knows, and which may be nothing as well, so that the law has a part too many."""
+    told = {name: one for name, one in params.items() if not one.held}
+    unknown = [name for name, one in told.items() if not one.determined]
+    nothing = [name for name, one in told.items() if one.determined and one.ci95[0] <= 0.0 <= one.ci95[1]]
+    words = [f"not determined: {', '.join(unknown)}"] if unknown else []
+    words += [f"may be nothing as well: {', '.join(nothing)}"] if nothing else []
+    return "; ".join(words)
+
+
 def _law(one: Proposal, front: bool) -> pages.Law:
     words = _in_words(one.params)
-    words.append(f"of {', '.join(one.variables)}")
     words += ["no shorter law is as good"] if front else []
     return {
         "label": one.label,
         "law": one.law,
         "rmse": one.rmse,
         "rmse_heldout": one.rmse_heldout,
+        "variables": list(one.variables),
         "words": words,
+        "doubt": doubt_of(one.params),
         "start": one.guess,
     }

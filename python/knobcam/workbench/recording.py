@@ -27,10 +27,10 @@ class Recording:
 
     def __init__(self, bench: Bench) -> None:
         self.bench = bench
-        self.gets = {"sources": self.sources, "live": self.live, "hidden": self.hidden}
+        self.gets = {"sources": self.sources, "live": self.live}
         self.gets["challenge"] = self.challenge
         self.posts = {"simulate": self.simulate, "record": self.record, "stop": self.stop}
-        self.posts["hint"] = self.hint
+        self.posts |= {"hint": self.hint, "hidden": self.hidden}
 
     async def sources(self, _: Request) -> Response:
         """What there is to choose from."""
@@ -40,8 +40,10 @@ class Recording:
         """Simulate a knob and take its capture in."""
         body = await read_json(request)
         level = text(body, "level", "")
-        made = (challenge.drawn, level) if level else (sources.simulated, body)
-        source = await run_in_threadpool(*made)
+        if level:
+            source = await run_in_threadpool(challenge.drawn, level, self.bench.session)
+        else:
+            source = await run_in_threadpool(sources.simulated, body)
         together = flag(body, "together", False)
         name = f"{source.name}, simulated {source.motion}"
 
@@ -79,11 +81,9 @@ class Recording:
 
     async def hidden(self, request: Request) -> Response:
         """What was hidden in the knob of a capture, for who gives up or wants to compare."""
-        asked = request.query_params.get("capture", "")
-        opened = self.bench.session.captures.get(asked)
-        if opened is None:
-            raise InputError(f"capture {asked!r} is not in this session")
-        return self._now(hidden=list(opened.hidden))
+        capture = text(await read_json(request), "capture")
+        hidden = await run_in_threadpool(challenge.answer, self.bench.session, capture)
+        return self._now(hidden=hidden)
 
     async def challenge(self, request: Request) -> Response:
         """How it goes with what a capture hides."""

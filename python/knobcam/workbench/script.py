@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .._core import __version__
+from ..capture.person import LEFT_OUT
 from .sources import PARSED
 
 if TYPE_CHECKING:
@@ -33,7 +34,8 @@ def script(done: Sequence[Node], captures: Mapping[str, Opened], start: Start) -
 
 def _load(opened: Opened) -> str:
     if opened.made:
-        return opened.made
+        out = () if LEFT_OUT in opened.options.get("overrule", ()) else opened.options.get("leave_out", ())
+        return opened.made + (f".leave_out({', '.join(repr(tuple(one)) for one in out)})" if out else "")
     # repr() makes a literal of any text, so that no name can be more than a name.
     given = [repr(opened.path), *(f"{name}={value!r}" for name, value in opened.options.items())]
     handed_over = "" if Path(opened.path).is_absolute() else "  # handed over: put it where this runs"

@@ -25,9 +25,10 @@ from ..base.strict_json import as_json, island
 from ..capture import load
 from ..capture.formats import DEFAULT_MAX_BYTES
 from ..errors import InputError
+from ..learn.experiment import NoMotion
 from ..model.effects import effect as catalogued
 from ..rig.record import Latched
-from . import arrays, closing, ruling, saving
+from . import arrays, closing, saving
 from .answers import answered, bytes_answer, finished, json_answer, refusal
 from .bench import Bench
 from .bodies import Busy, Unread, file_name, flag, indices, read_json, reading, receive, text
@@ -38,6 +39,7 @@ from .jobs import Cancelled, Job
 from .preview import Unmapped, explained
 from .proposing import Proposing
 from .recording import Recording
+from .ruling import Ruling
 from .shared import Shared
 
 UPLOAD_BYTES = 200_000_000
@@ -64,16 +66,17 @@ def application(bench: Bench, token: str, port: int, upload_bytes: int = UPLOAD_
     """Return the server of a bench, which answers to those alone who have the token."""
     files = page_files()
     server, recording = _Server(bench, files, upload_bytes), Recording(bench)
-    designing, proposing = Designing(bench), Proposing(bench)
+    designing, proposing, ruling = Designing(bench), Proposing(bench), Ruling(bench)
     posts: dict[str, Answers] = {
         **{"add": server.add, "drop": server.drop, "undo": server.undo, "redo": server.redo},
         **{"branch": server.branch, "switch": server.switch, "params": server.params, "snap": server.snap},
         **{"diagnose": server.diagnose, "cancel": server.cancel, "share": server.share, "use": server.use},
-        **{"close": server.close, "overrule": server.overrule},
+        "close": server.close,
         **{"open": server.open, "upload": server.upload, "save": server.save, **recording.posts},
         **Continuing(bench).posts,
         **designing.posts,
         **proposing.posts,
+        **ruling.posts,
     }
     gets: dict[str, Answers] = {
         **{
@@ -81,12 +84,12 @@ def application(bench: Bench, token: str, port: int, upload_bytes: int = UPLOAD_
             "arrays": server.arrays,
             "splits": server.splits,
             "signature": server.signature,
-            "finding": server.finding,
         },
         **{"events": server.events, "download": server.download, "picture": server.picture},
         **recording.gets,
         **designing.gets,
         **proposing.gets,
+        **ruling.gets,
     }
     routes = [
         Route("/", server.page),
@@ -111,6 +114,8 @@ async def _wrong(_: Request, error: Exception) -> Response:
         more |= {"columns": error.columns, "guess": error.guess}
     if isinstance(error, Latched):
         more["fault"] = {"code": error.code, "told": error.told}
+    if isinstance(error, NoMotion) and error.enough is not None:
+        more["enough"] = {"limit": error.enough[0], "to": error.enough[1]}
     return refusal(str(error), error.status if isinstance(error, Unread) else 400, **more)
 
 
@@ -215,21 +220,6 @@ class _Server:
         """Show a capture no more."""
         capture = text(await read_json(request), "capture")
         return await self._long("closing", lambda job: closing.close(self.session, capture, job.tell))
-
-    async def overrule(self, request: Request) -> Response:
-        """Leave a finding of a capture undone, or let it stand again."""
-        body = await read_json(request)
-        capture, finding, on = text(body, "capture"), text(body, "finding"), flag(body, "on", True)
-        find = self.bench.file_of
-        return await self._long(
-            "reading", lambda job: ruling.overrule(self.session, capture, finding, on, find, job.tell)
-        )
-
-    async def finding(self, request: Request) -> Response:
-        """The samples that a finding names."""
-        asked = request.query_params
-        runs = ruling.samples(self.session, asked.get("capture", ""), asked.get("finding", ""))
-        return json_answer({"runs": runs})
 
     async def undo(self, _: Request) -> Response:
         """Go one step back."""

@@ -8,10 +8,12 @@ import secrets
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ..base import pages_sources
 from ..capture.motion_plan import MotionPlan
+from ..capture.person import as_told
 from ..errors import InputError
 from ..model import KNOBS, Model
 from ..model.effects import effects
@@ -108,12 +110,14 @@ class Simulated:
         """Return the same knob, for another motion."""
         return replace(self, plan=plan, rate_hz=rate_hz, seed=seed)
 
-    def capture(self) -> Capture:
-        """Simulate it."""
+    def capture(self, told: Mapping[str, Any] = MappingProxyType({})) -> Capture:
+        """Simulate it; `told` is what a person said of it, as `knobcam.load` takes that."""
         knob = hiding(self.name, *self.hidden, motion=self.motion, duration_s=self.duration_s)
         if self.plan:
-            return simulate(knob, MotionPlan.parse(self.plan).track(self.rate_hz), seed=self.seed)
-        return simulate(knob, self.motion, duration_s=self.duration_s, seed=self.seed)
+            made = simulate(knob, MotionPlan.parse(self.plan).track(self.rate_hz), seed=self.seed)
+        else:
+            made = simulate(knob, self.motion, duration_s=self.duration_s, seed=self.seed)
+        return as_told(made, self.words, told.get("overrule", ()), told.get("leave_out", ()))
 
     @property
     def made(self) -> str:

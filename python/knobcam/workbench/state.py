@@ -13,8 +13,9 @@ from ..errors import InputError
 from ..fit.plausible import out_of_range
 from ..learn import LearningResult
 from ..learn.limitations import limitations
+from ..learn.limits import Limits
 from ..model.effects import effects, titles
-from ..show.samples import candidates, peak
+from ..show.samples import below_hz, candidates, peak
 from . import proposing, ruling, surface
 from .closing import open_ones
 from .designing import origin
@@ -63,15 +64,22 @@ def document(session: Session) -> pages.Session:
         "noise_floor": fitted.noise_floor,
         "unit": fitted.torque_unit,
         "peak": told.peak,
+        "below_hz": below_hz(fitted),
         "params": _parameters(view),
         "together": told.together,
         "rmse": view.rmse,
         "rmse_heldout": view.rmse_heldout,
+        "added": _added(steps, story),
         "concluded": [] if story is None else story.headline.document(),
         "verdict": _verdict(steps, diagnosis, story).document(),
         "record": None if story is None else story.record,
         "carried": [
-            {"added": step.added, "rmse": step.rmse, "rmse_heldout": step.rmse_heldout}
+            {
+                "added": step.added,
+                "rmse": step.rmse,
+                "rmse_heldout": step.rmse_heldout,
+                "noise_floor": step.fit.noise_floor,
+            }
             for step in carried(branch.done)
         ],
         "ladder": [
@@ -92,6 +100,7 @@ def document(session: Session) -> pages.Session:
         "proposed_said": [] if laws is None else laws.headline.document(),
         "curve": proposing.curve(laws),
         "surface": surface.document(laws),
+        "limits": told.limits,
         "experiment": None if shown is None else shown.document(_source(session, shown)),
     }
 
@@ -103,6 +112,7 @@ class _Said(NamedTuple):
     together: list[pages.Together]
     limitations: list[str]
     absent: list[pages.Effect]
+    limits: dict[str, float] | None
 
 
 _KNOWN: WeakKeyDictionary[Fit, _Said] = WeakKeyDictionary()
@@ -113,8 +123,18 @@ def _said(fitted: Fit) -> _Said:
     if fitted not in _KNOWN:
         cannot = [f"{one.message}; {one.record}" for one in limitations(fitted)]
         missing = [one.document() for one in absent(fitted.model)]
-        _KNOWN[fitted] = _Said(peak(fitted), _together(fitted), cannot, missing)
+        _KNOWN[fitted] = _Said(peak(fitted), _together(fitted), cannot, missing, _reached(fitted))
     return _KNOWN[fitted]
+
+
+def _reached(fitted: Fit) -> dict[str, float] | None:
+    """Return the limits that captures reached; None of such as nothing moves in."""
+    if not any(one.used.any() for one in fitted.prepared):
+        return None
+    try:
+        return Limits.reached(fitted.prepared).numbers
+    except InputError:
+        return None
 
 
 def unexplained(session: Session) -> bool:
@@ -156,10 +176,12 @@ def _nothing(session: Session) -> pages.Session:
         "noise_floor": None,
         "unit": "N m",
         "peak": 0.0,
+        "below_hz": None,
         "params": [],
         "together": [],
         "rmse": None,
         "rmse_heldout": None,
+        "added": [],
         "concluded": [],
         "verdict": ["Open a capture to begin."],
         "record": None,
@@ -175,6 +197,7 @@ def _nothing(session: Session) -> pages.Session:
         "proposed_said": [],
         "curve": None,
         "surface": None,
+        "limits": None,
         "experiment": None,
     }
 
@@ -206,6 +229,7 @@ def _branch(branch: Branch) -> pages.Branch:
                 "dropped": node.effect if node.how == "dropped" else None,
                 "rmse": node.fit.rmse,
                 "rmse_heldout": node.fit.rmse_heldout,
+                "noise_floor": node.fit.noise_floor,
                 "captures": list(node.captures),
             }
             for node in branch.steps
@@ -278,6 +302,14 @@ def _doubt(name: str, estimate: Estimate, plausible: tuple[float, float], view: 
     return out_of_range(estimate, plausible)
 
 
+def _added(steps: list[LearningStep], story: LearningResult | None) -> list[str]:
+    """Return what came into the model and is not named otherwise in what is said of it."""
+    parts = () if story is None else story.headline.parts
+    named = {part.effect for part in parts if isinstance(part, OfEffect)} | {*in_vain(steps)}
+    came = dict.fromkeys(step.added for step in steps if step.added in steps[-1].effects)
+    return [one for one in came if one is not None and one not in named]
+
+
 def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, story: LearningResult | None) -> Said:
     """Return what is said beside what is concluded."""
     vain = _in_vain(in_vain(steps))
@@ -290,7 +322,10 @@ def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, story: Lear
         return joined(" ", (vain, size, beyond and beyond.sentence))
     # Where it is worst is said once.
     told = any(isinstance(part, Stretch) for part in story.headline.parts)
-    return joined(" ", (vain, compared.size if told else compared.summary))
+    # An error like chance's is no proof of a model that no knob can have.
+    against = joined("; ", diagnosis.fit.warnings) if compared.complete and diagnosis.fit.warnings else ""
+    but = said("But {warnings}.", warnings=against) if against else ""
+    return joined(" ", (vain, compared.size if told else compared.summary, but))
 
 
 def _in_vain(effects: list[str]) -> Said | None:

@@ -47,7 +47,8 @@ def read_text(kind: str, stream: IO[bytes], budget: Budget) -> Table:
     head = peek(stream, _HEAD, budget)
     if b"\0" in head and head[:2] not in _UTF16:
         raise InputError(
-            f"{source}: neither text nor a format knobcam knows; give CSV (.gz), .mat, .npy, .npz or Parquet"
+            f"{source}: neither text nor a format knobcam knows; give CSV (.gz), JSON, .mat, .npy, .npz, "
+            f"HDF5, Parquet, a wire log or a ROS 2 bag"
         )
     seen = survey(stream, budget)
     if seen.longest > _LONGEST:

@@ -1,11 +1,12 @@
 // src/api.js
 var Refusal = class extends Error {
   /** @param {string} words @param {import("./types.js").Why} [more] */
-  constructor(words3, { columns, guess, fault } = {}) {
-    super(words3);
+  constructor(words4, { columns, guess, fault, enough } = {}) {
+    super(words4);
     this.columns = columns ?? null;
     this.guess = guess ?? {};
     this.fault = fault ?? null;
+    this.enough = enough ?? null;
   }
 };
 function wordsOf(reason2) {
@@ -98,8 +99,8 @@ function shown(element2) {
 // src/names.js
 var titles = {};
 var meanings = {};
-function known({ titles: called, params = [] }) {
-  titles = called;
+function known({ titles: called2, params = [] }) {
+  titles = called2;
   meanings = Object.fromEntries(params.map(({ name, meaning }) => [name, meaning]));
 }
 function titleOf(effect) {
@@ -107,14 +108,18 @@ function titleOf(effect) {
 }
 function paramOf(name) {
   const [effect, ...own] = name.split(".");
-  const [words3, title] = [meanings[name] || own.join("."), titleOf(effect)];
-  return words3.includes(title) ? words3 : `${words3} (${title})`;
+  const [words4, title] = [meanings[name] || own.join("."), titleOf(effect)];
+  return words4.includes(title) ? words4 : `${words4} (${title})`;
 }
-function named(words3, id) {
-  return make("span", { text: words3, title: words3 === id ? null : id });
+function named(words4, id) {
+  return make("span", { text: words4, title: words4 === id ? null : id });
 }
 function listed(effects, between3) {
   return effects.flatMap((effect, at) => [at > 0 ? between3 : "", named(titleOf(effect), effect)]);
+}
+var SLIDES = { theta: "x", omega: "v", alpha: "dv/dt" };
+function writtenOf(law, coordinate) {
+  return coordinate === "linear" ? law.replaceAll(/\b(theta|omega|alpha)\b/g, (name) => SLIDES[name]) : law;
 }
 
 // src/numbers.js
@@ -148,8 +153,8 @@ function scaleOf(unit, about2) {
   return own ? { factor: torque.factor, unit: unit.replace(about2.unit, torque.unit) } : { factor: 1, unit };
 }
 function torqueWord(unit) {
-  const words3 = { N: "force", A: "current", V: "voltage", duty: "duty cycle" };
-  return words3[unit] ?? "torque";
+  const words4 = { N: "force", A: "current", V: "voltage", duty: "duty cycle" };
+  return words4[unit] ?? "torque";
 }
 function motionWords({ coordinate }) {
   const [place4, way] = coordinate === "linear" ? ["position", "m"] : ["angle", "rad"];
@@ -179,7 +184,7 @@ function comparable({ branches, branch: current, active }, branch) {
   const other = branches.find(({ id }) => id === branch && id !== current);
   return other !== void 0 && other.steps[other.at]?.captures.join() === active.join();
 }
-function showBranches(place4, state, beside, deeds) {
+function showBranches(place4, state, beside2, deeds) {
   const focused = document.activeElement?.getAttribute("data-beside");
   const scale = torqueScale(state);
   const cards = state.branches.map(({ id, name, steps, at }) => {
@@ -188,7 +193,7 @@ function showBranches(place4, state, beside, deeds) {
     const own = done.slice(done.findLastIndex(({ anew }) => anew));
     const changed = own.filter(({ added, dropped }) => added || dropped);
     const changes = changed.map(({ added, dropped }) => added ? `+ ${titleOf(added)}` : `− ${titleOf(dropped ?? "")}`);
-    const words3 = changes.join(" ") || "nothing added";
+    const words4 = changes.join(" ") || "nothing added";
     const card = make(
       "button",
       {
@@ -196,15 +201,15 @@ function showBranches(place4, state, beside, deeds) {
         on: { click: () => deeds.choose(id) }
       },
       make("strong", { text: name }),
-      make("span", { class: "soft", text: words3 }),
+      make("span", { class: "soft", text: words4 }),
       make("span", { class: "figure", text: step ? `${number(step.rmse * scale.factor)} ${scale.unit}` : "–" })
     );
     if (id === state.branch) return make("div", { class: "card" }, card);
     const there = comparable(state, id);
     const box = make("input", {
-      ...{ type: "checkbox", checked: id === beside, "data-beside": id, disabled: !there },
+      ...{ type: "checkbox", checked: id === beside2, "data-beside": id, disabled: !there },
       ...{ title: there ? null : "it is fitted to other captures, or to the same read otherwise" },
-      on: { change: () => deeds.beside(id === beside ? null : id) }
+      on: { change: () => deeds.beside(id === beside2 ? null : id) }
     });
     return make("div", { class: "card" }, card, make("label", {}, box, " side by side"));
   });
@@ -212,6 +217,9 @@ function showBranches(place4, state, beside, deeds) {
   if (focused) {
     place4.querySelector(`[data-beside="${CSS.escape(focused)}"]`)?.focus();
   }
+}
+function capturesOf(node, { branches, active }) {
+  return branches.flatMap(({ steps }) => steps).find((step) => step.node === node)?.captures ?? active;
 }
 
 // src/spectrum.js
@@ -450,39 +458,42 @@ function columnsOf(view) {
   if (view.band) needed.push("band");
   return needed;
 }
-function reachOf({ columns, beside, noise }) {
-  const shown2 = beside ? [columns.residual, beside.residual] : [columns.residual];
+function reachOf({ columns, beside: beside2, noise }) {
+  const shown2 = beside2 ? [columns.residual, beside2.residual] : [columns.residual];
   return Math.max(...shown2.map((one) => mostReach(one)), 2 * (noise ?? 0)) || 1;
 }
 function rowsOf(data, view, widest) {
-  const { columns, beside } = data;
+  const { columns, beside: beside2 } = data;
   const word = torqueWord(data.unit);
+  const slow = data.below_hz ? ` below ${number(data.below_hz)} Hz` : "";
   const model = modelOf(columns.residual, columns.tau);
-  const other = beside ? modelOf(beside.residual, columns.tau) : null;
+  const fitted = counted(model, columns.tau);
+  const unfitted = notCounted(fitted, columns.tau, columns.masked ?? fitted);
+  const other = beside2 ? modelOf(beside2.residual, columns.tau) : null;
   const scale = torqueScale(data);
-  const [ownLabel, besideLabel] = [columns, beside].map((one) => one ? `residual, ${scale.unit}${beyondWords(one.residual, -1.04 * widest, 1.04 * widest)}` : "");
+  const [ownLabel, besideLabel] = [columns, beside2].map((one) => one ? `residual, ${scale.unit}${beyondWords(one.residual, -1.04 * widest, 1.04 * widest)}` : "");
   return view.axes.map((along) => {
     if (along === "frequency") return { torque: null, residual: alongFrequency(data), beside: null };
     const axis2 = AXES[along];
     const x = axis2.column ? columns[axis2.column] : model;
-    const common = { x, xAxis: axisOf(along, x, data), picked: 0 };
+    const common = { x, xAxis: axisOf(along, along === "time" ? x : counted(model, x), data), picked: 0 };
     const part = view.isolated && axis2.part ? columns[axis2.part] : null;
-    const { measured: measured2, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: model };
+    const { measured: measured2, modelled } = part ? isolated(columns, part) : { measured: fitted, modelled: model };
     const series = [
-      ...along === "time" && columns.masked && !part ? [{ colour: "--masked", chosen: "--chosen", y: columns.masked, strength: 1 }] : [],
+      ...along === "time" ? [{ colour: "--masked", chosen: "--chosen", y: unfitted, strength: 1 }] : [],
       { colour: "--measured", chosen: "--chosen", y: measured2, strength: 0.4 },
       ...view.band && columns.band ? band(modelled, columns.band) : [],
       ...other && !part ? [{ colour: "--beside", chosen: "--beside", y: other, strength: 0.35 }] : [],
       { colour: "--modelled", chosen: "--modelled", y: modelled, strength: 0.35 }
     ];
-    const [lowest, highest] = limits([Float32Array.from(mostLimits(modelled, counted(modelled, measured2)))]);
+    const [lowest, highest] = limits([Float32Array.from(mostLimits(modelled, measured2))]);
     const torque = {
       ...common,
       picked: series.findIndex(({ colour }) => colour === "--measured"),
-      // masked samples are not taken by a brush
+      // what is not fitted is not taken by a brush
       xAxis: { ...common.xAxis, label: "" },
       // where it is chosen it stands already
-      yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}${beyondWords(measured2, lowest, highest)}` },
+      yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}${slow}, ${scale.unit}${beyondWords(measured2, lowest, highest)}` },
       title: part ? `what depends on ${along} alone` : `${word} over ${axis2.words}`,
       series,
       noise: null
@@ -494,11 +505,11 @@ function rowsOf(data, view, widest) {
       series: [{ colour, chosen: "--chosen", y, strength: 0.3 }],
       noise: data.noise && 2 * data.noise
     });
-    const own = beside && data.name ? `residual, ${short(data.name)}` : "measured − modelled";
+    const own = beside2 && data.name ? `residual, ${short(data.name)}` : "measured − modelled";
     return {
       torque,
       residual: rest(columns.residual, ownLabel, "--wrong", own),
-      beside: beside ? rest(beside.residual, besideLabel, "--beside", `residual, ${short(beside.name)}`) : null
+      beside: beside2 ? rest(beside2.residual, besideLabel, "--beside", `residual, ${short(beside2.name)}`) : null
     };
   });
 }
@@ -519,8 +530,8 @@ function axisOf(along, x, data) {
   return { low, high, factor: 1, label: labelOf(along, data) };
 }
 function labelOf(along, { unit, coordinate }) {
-  const { words: words3, units } = AXES[along];
-  return `${words3}, ${units ? units[coordinate === "linear" ? 1 : 0] : unit}`;
+  const { words: words4, units } = AXES[along];
+  return `${words4}, ${units ? units[coordinate === "linear" ? 1 : 0] : unit}`;
 }
 function samplesIn({ columns }, { axis: axis2, low, high, direction }) {
   if (axis2 === "frequency") return null;
@@ -538,11 +549,15 @@ var modelOf = remembered((residual, tau) => {
   for (let i = 0; i < tau.length; i++) model[i] = tau[i] - residual[i];
   return model;
 });
-var counted = remembered((model, tau) => {
-  const measured2 = new Float32Array(tau.length);
-  for (let i = 0; i < tau.length; i++) measured2[i] = model[i] === model[i] ? tau[i] : NaN;
-  return measured2;
-});
+var countedIn = /* @__PURE__ */ new WeakMap();
+function counted(model, column) {
+  const known2 = countedIn.get(model) ?? remembered((values) => values.map((value, i) => model[i] === model[i] ? value : NaN));
+  countedIn.set(model, known2);
+  return known2(column);
+}
+var notCounted = remembered(
+  (fitted, tau, masked) => fitted.map((value, i) => value === value ? NaN : masked[i] === masked[i] ? masked[i] : tau[i])
+);
 var span = remembered((x) => limits([x], { air: 0.01 }));
 function short(name) {
   return name.length > NAME ? `${name.slice(0, NAME)}…` : name;
@@ -590,9 +605,9 @@ function sentence(parts, about2) {
 }
 function nodes(parts, about2) {
   return parts.map((part) => {
-    const words3 = wordsOfPart(part, about2);
-    if (typeof part === "object" && "effect" in part) return named(words3, part.effect);
-    return typeof part === "object" && "param" in part ? named(words3, part.param) : words3;
+    const words4 = wordsOfPart(part, about2);
+    if (typeof part === "object" && "effect" in part) return named(words4, part.effect);
+    return typeof part === "object" && "param" in part ? named(words4, part.param) : words4;
   });
 }
 function adviceOf({ advice, way }) {
@@ -616,8 +631,8 @@ function axisWord(axis2) {
 }
 function columnWord(column, about2) {
   const { theta, omega, alpha } = motionWords(about2);
-  const words3 = { t: "time", theta: theta.name, omega: omega.name, alpha: alpha.name, tau: torqueWord(about2.unit) };
-  return words3[column] ?? column;
+  const words4 = { t: "time", theta: theta.name, omega: omega.name, alpha: alpha.name, tau: torqueWord(about2.unit) };
+  return words4[column] ?? column;
 }
 
 // src/captures.js
@@ -632,7 +647,7 @@ function showCaptures(place4, state, { use, close }) {
   place4.dataset.shown = key2;
   if (captures.length === 1) {
     const [only] = captures;
-    place4.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only, about2)));
+    place4.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only, about2, only.name), facts(only)));
     return;
   }
   const short2 = shortNames(captures.map(({ name }) => name));
@@ -642,12 +657,13 @@ function showCaptures(place4, state, { use, close }) {
     const chosen = make(
       "button",
       {
-        ...{ type: "button", class: "capture", title: `fit to ${capture.name} too, or not` },
+        ...{ type: "button", class: "capture", title: `fit to ${capture.name} too, or not:${facts(capture)}` },
         "aria-pressed": String(active.includes(capture.id)),
         disabled: alone,
         on: { click: () => use(toggled(capture.id)) }
       },
       ...words(capture, about2, short2[at])
+      // beside others there is no room for more
     );
     const away = make("button", {
       ...{ type: "button", class: "away", text: "×", "aria-label": `close ${capture.name}`, disabled: alone },
@@ -672,11 +688,13 @@ function shortNames(names) {
   const alike = names.every((name) => name.endsWith(kind) && name.length > shared + kind.length);
   return names.map((name) => `…${name.slice(shared, alike ? name.length - kind.length : name.length)}`);
 }
-function words({ name, samples, rate_hz, findings }, about2, short2 = name) {
-  const facts = ` ${thousands(samples)} samples, ${Math.round(rate_hz)} Hz`;
+function facts({ samples, rate_hz }) {
+  return ` ${thousands(samples)} samples, ${Math.round(rate_hz)} Hz`;
+}
+function words({ findings }, about2, name) {
   const doubtful = findings.filter((one) => !isNote(one));
   const doubt = make("span", { class: "doubt", text: "⚠ ", title: doubtful.map((one) => textOf(one, about2)).join("\n") });
-  return [...doubtful.length > 0 ? [doubt] : [], make("strong", { text: short2 }), facts];
+  return [...doubtful.length > 0 ? [doubt] : [], make("strong", { text: name })];
 }
 var isNote = ({ severity, overruled }) => severity === "note" && !overruled;
 function textOf({ severity, said, advice }, about2) {
@@ -717,16 +735,16 @@ function alikeInAll([first, ...others]) {
 var keyOf = ({ said }) => JSON.stringify(said);
 function folded(items, told, open) {
   const kinds = Map.groupBy(told, ({ severity, overruled }) => overruled ? "overruled" : severity);
-  const words3 = [...kinds].map(([kind, those]) => `${those.length} ${PLURAL[kind] && those.length > 1 ? PLURAL[kind] : kind}`);
+  const words4 = [...kinds].map(([kind, those]) => `${those.length} ${PLURAL[kind] && those.length > 1 ? PLURAL[kind] : kind}`);
   const doubtful = told.some((one) => !isNote(one) && !one.overruled);
-  const summary = make("summary", { class: doubtful ? "doubt" : "soft", text: `${doubtful ? "⚠ " : ""}${told.length} findings: ${words3.join(", ")}` });
+  const summary = make("summary", { class: doubtful ? "doubt" : "soft", text: `${doubtful ? "⚠ " : ""}${told.length} findings: ${words4.join(", ")}` });
   return make("li", {}, make("details", { open }, summary, make("ul", {}, ...items)));
 }
 function finding(found2, { id, name, job }, about2, { see, overrule }) {
   const { key: key2, overruled, stands, seen: seen2 } = found2;
   const [text, note] = [textOf(found2, about2), isNote(found2)];
   const said = `${note || overruled ? "" : "⚠ "}${name}${text}`;
-  const words3 = seen2 ? make("button", { type: "button", class: "leads", title: "show its samples", text: said, on: { click: () => see(id, key2) } }) : make("span", { text: said });
+  const words4 = seen2 ? make("button", { type: "button", class: "leads", title: "show its samples", text: said, on: { click: () => see(id, key2) } }) : make("span", { text: said });
   const box = make("input", {
     ...{ type: "checkbox", role: "switch", checked: !overruled, disabled: stands !== "", "data-finding": `${name}${key2}` },
     "aria-label": `applied: ${name}${text}`,
@@ -736,7 +754,7 @@ function finding(found2, { id, name, job }, about2, { see, overrule }) {
   });
   const why = stands || "off: nothing is done about it, the samples are taken as they were recorded, and the model is fitted anew";
   const own = note ? null : make("label", { title: why }, box, overruled ? "overruled" : "applied");
-  return make("li", { class: `finding ${note || overruled ? "soft" : "doubt"}` }, words3, own);
+  return make("li", { class: `finding ${note || overruled ? "soft" : "doubt"}` }, words4, own);
 }
 async function samplesOf(capture, finding2, { captures, active }) {
   const before = active.slice(0, active.indexOf(capture));
@@ -943,9 +961,11 @@ var Candidates = class {
     this.inside ||= this.place.contains(document.activeElement);
     this.at = 0;
     const could = candidates.rows.filter((row) => row.could_be);
-    this.rows = [...could, ...candidates.rows.filter((row) => !row.could_be)];
+    const rest = candidates.rows.filter((row) => !row.could_be);
+    const ruledOut = rest.filter((row) => row.word === "implausible");
+    this.rows = [...could, ...ruledOut, ...rest.filter((row) => row.word !== "implausible")];
     this.items = this.rows.map((row, at) => this.item(row, at, about2));
-    const others = this.items.slice(could.length);
+    const [out, others] = [this.items.slice(could.length, could.length + ruledOut.length), this.items.slice(could.length + ruledOut.length)];
     const ask2 = make("button", {
       ...{ type: "button", text: "What is missing?", disabled: job !== null || node === null },
       on: { click: () => this.deeds.ask?.() }
@@ -953,9 +973,10 @@ var Candidates = class {
     this.place.replaceChildren(
       ...candidates.ready ? [] : [make("p", { class: "soft" }, job ? `${job.what} …` : ask2)],
       ...candidates.ready && this.items.length === 0 ? [make("p", { class: "well", text: "Nothing is left to be weighed." })] : [],
-      candidates.ready && could.length === 0 && others.length > 0 ? make("p", { class: "soft", text: NOTHING }) : "",
+      candidates.ready && could.length === 0 && this.items.length > 0 ? make("p", { class: "soft", text: NOTHING }) : "",
       make("ul", { "aria-label": "candidates", class: "candidates" }, ...this.items.slice(0, could.length)),
-      others.length > 0 ? folded2(others) : "",
+      out.length > 0 ? folded2(out, `${out.length} ruled out by values that none can have: ${ruledOut.map(outWords).join(", ")}`) : "",
+      others.length > 0 ? folded2(others, `${others.length} more: no better than chance, or too little to matter`) : "",
       ...remainder(candidates.unexplained, about2)
     );
     fitFormulas(this.place);
@@ -995,7 +1016,8 @@ var Candidates = class {
       row.could_be ? make("span", { class: "alike law-of" }, lawOf(row)) : null,
       make("span", { class: "evidence soft", text: evidence(row, about2) }),
       this.untold(row),
-      ...remarks(row).map((words3) => make("span", { class: "alike soft" }, ...words3)),
+      ...remarks(row).map((words4) => make("span", { class: "alike soft" }, ...words4)),
+      row.could_be && row.unsettled ? make("span", { class: "alike doubt", text: `⚠ ${row.unsettled}` }) : null,
       ...row.implausible.map((why) => make("span", { class: "alike doubt" }, "⚠ ", ...nodes(why, about2)))
     );
   }
@@ -1049,9 +1071,11 @@ var Candidates = class {
     }
   }
 };
-function folded2(items) {
-  const words3 = `${items.length} more: no better than chance, or too little to matter`;
-  return make("details", {}, make("summary", { class: "soft", text: words3 }), make("ul", { class: "candidates" }, ...items));
+function folded2(items, words4) {
+  return make("details", {}, make("summary", { class: "soft", text: words4 }), make("ul", { class: "candidates" }, ...items));
+}
+function outWords({ effect, error_fall: fall }) {
+  return `${titleOf(effect)} (${percent(-Math.max(0, fall))})`;
 }
 function evidence(row, about2) {
   const chance = row.p_value <= 1e-3 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
@@ -1065,8 +1089,8 @@ function remainder(unexplained, about2) {
   if (!unexplained) return [];
   const { axis: axis2, share, hint } = unexplained;
   const where = sentence(hint, about2);
-  const words3 = `Unexplained over ${sentence([{ along: axis2 }], about2)}: ${percent(share)} of what remains${where ? ` (${where})` : ""}.`;
-  return [make("p", { class: "soft", text: words3 })];
+  const words4 = `Unexplained over ${sentence([{ along: axis2 }], about2)}: ${percent(share)} of what remains${where ? ` (${where})` : ""}.`;
+  return [make("p", { class: "soft", text: words4 })];
 }
 
 // src/section.js
@@ -1244,11 +1268,11 @@ function acting(effect, { data, at, added }) {
   const canvas = make("canvas", { class: "section", role: "img", "aria-label": SEEN2[kindOf(effect)] });
   const slider = make("input", { type: "range", min: 0, max: t.length - 1, step: 1, value: at ?? 0, "aria-label": "moment" });
   const play = make("button", { type: "button", text: "Play", "aria-pressed": "false" });
-  const words3 = make("span", { class: "soft figure" });
+  const words4 = make("span", { class: "soft figure" });
   const element2 = make(
     "div",
     { class: "acting" },
-    ...[canvas, make("div", {}, make("p", { class: "soft", text: SEEN2[kindOf(effect)] }), words3), make("div", { class: "along" }, play, slider)]
+    ...[canvas, make("div", {}, make("p", { class: "soft", text: SEEN2[kindOf(effect)] }), words4), make("div", { class: "along" }, play, slider)]
   );
   let motion = new Motion(data.columns, null);
   let [playing, begun] = [false, { clock: 0, time: 0 }];
@@ -1266,7 +1290,7 @@ function acting(effect, { data, at, added }) {
     );
     const scale = torqueScale(data);
     const torque = motion.added ? `adds ${number(motion.added[now] * scale.factor)} ${scale.unit}` : "what it adds is not weighed here";
-    words3.textContent = `${number(t[now], 4)} s: ${torque}`;
+    words4.textContent = `${number(t[now], 4)} s: ${torque}`;
   };
   const frame = (clock) => {
     if (!playing || !canvas.isConnected || !canvas.closest("dialog[open]")) return run(false);
@@ -1386,17 +1410,29 @@ function limitWords(about2) {
     omega_rad_s: `${omega.name}, ${omega.unit}`,
     alpha_rad_s2: `${alpha.name}, ${alpha.unit}`,
     theta_min_rad: `from ${theta.name}, ${theta.unit}`,
-    theta_max_rad: `to ${theta.name}, ${theta.unit}`
+    theta_max_rad: `to ${theta.name}, ${theta.unit}`,
+    duration_s: "at most, s",
+    sample_rate_hz: "recorded at, Hz"
   };
 }
+function enoughWords({ theta_min_rad: from, ...wider2 }, about2) {
+  const { theta } = motionWords(about2);
+  if (from !== void 0) return `${theta.name} from ${number(from)} to ${number(wider2.theta_max_rad)} ${theta.unit}`;
+  const [[name, to]] = Object.entries(wider2);
+  if (name === "duration_s") return `at most ${number(to)} s`;
+  const [called2, unit] = (limitWords(about2)[name] ?? name).split(", ");
+  return `${called2} up to ${number(to, 4)} ${unit}`;
+}
 function ofLimits(said, about2) {
-  if (!said.startsWith("limits")) return said;
+  return said.startsWith("limits") ? inFormWords(said, about2) : said;
+}
+function inFormWords(said, about2) {
   const pairs = Object.entries(limitWords(about2));
-  return pairs.reduce((words3, [name, called]) => words3.replaceAll(name, `“${called}”`), said);
+  return pairs.reduce((words4, [name, called2]) => words4.replaceAll(name, `“${called2}”`), said);
 }
 function bars({ names, d, standard_d, wrong_choice, came }, about2, told) {
   const share = (value) => `${100 * Math.log(Math.min(Math.max(value, LEAST_D), MOST_D) / LEAST_D) / Math.log(MOST_D / LEAST_D)}%`;
-  const row = (words3, value, name) => {
+  const row = (words4, value, name) => {
     const bar2 = make("span", { class: `bar ${name}` });
     const line2 = make("span", { class: "told" });
     bar2.style.width = share(value);
@@ -1404,7 +1440,7 @@ function bars({ names, d, standard_d, wrong_choice, came }, about2, told) {
     return make(
       "div",
       { class: "evidence-line" },
-      make("span", { class: "label", text: words3 }),
+      make("span", { class: "label", text: words4 }),
       make("span", { class: "track" }, bar2, line2),
       make("span", { class: "figure", text: value > MOST_D ? `> ${MOST_D}` : number(value), title: number(value) })
     );
@@ -1777,8 +1813,8 @@ var asked = 0;
 function unhiding(failed) {
   byId("unhide").addEventListener("click", async () => {
     try {
-      const told = await Promise.all(hiding.map((capture) => ask("hidden", { capture })));
-      byId("unhidden").textContent = [...new Set(told.map(({ hidden }) => hidden.map(titleOf).join(" and ")))].join("; ");
+      const told = await Promise.all(hiding.map((capture) => post("hidden", { capture })));
+      byId("unhidden").textContent = [...new Set(told.map(({ hidden }) => (hidden ?? []).map(titleOf).join(" and ")))].join("; ");
     } catch (reason2) {
       failed(reason2);
     }
@@ -1800,21 +1836,35 @@ async function showHidden({ captures, active }) {
   const told = await ask("challenge", { capture: now[0] }).catch(() => null);
   if (told && mine === asked) showStanding(told);
 }
-function showStanding({ hints, more, wrong, found: found2, hidden, solved, sealed, score }) {
+function showStanding({ hints, more, wrong, found: found2, hidden, solved, given_up, sealed, score }) {
   document.body.classList.toggle("sealed", sealed);
   byId("unseal").hidden = !sealed;
-  byId("hides").classList.toggle("well", solved);
+  byId("hides").classList.toggle("well", solved && !given_up);
   byId("challenge-score").textContent = `${score} points`;
-  byId("challenge-said").textContent = standingWords({ wrong, found: found2, hidden, solved });
+  byId("challenge-said").textContent = standingWords({ wrong, found: found2, hidden, solved, given_up });
   byId("challenge-hints").replaceChildren(...hints.map((text) => make("li", { text })));
-  byId("hint").disabled = !more || solved;
+  byId("hint").disabled = !more || solved || given_up;
 }
-function standingWords({ wrong, found: found2, hidden, solved }) {
+function standingWords({ wrong, found: found2, hidden, solved, given_up }) {
   const many = hidden === 1 ? "one effect is hidden" : `${hidden} effects are hidden`;
   const costs = wrong.length > 0 ? `; not there: ${wrong.map(titleOf).join(", ")}` : "";
+  if (given_up) return `Given up: ${solved ? "what was hidden is in the model, after it was told" : "add what was hidden, and see the residual become noise"}${costs}.`;
   if (solved) return `Solved: what was hidden is in the model, and nothing that was not${costs}.`;
   if (found2 === hidden) return `All that is hidden is in the model, but so is something else${costs}.`;
   return `In this knob ${many}${found2 > 0 ? `, ${found2} of them found` : ""}. Look where the residual has structure, and add what explains it${costs}.`;
+}
+
+// src/job.js
+function showJob(job) {
+  byId("job").hidden = job === null;
+  if (!job) return;
+  byId("job-what").textContent = job.what;
+  const bar2 = (
+    /** @type {HTMLProgressElement} */
+    byId("job-done")
+  );
+  if (job.done === null) bar2.removeAttribute("value");
+  else bar2.value = job.done;
 }
 
 // src/keys.js
@@ -1855,6 +1905,8 @@ function closeMenu(focus) {
 }
 
 // src/ladder.js
+var FLOOR = "What noise alone would leave. It is read from the torque and from what the model leaves of it, where that is quieter: an error that is the same in every stretch passes for noise until the model has what makes it, and then the floor falls.";
+var SAME = 0.1;
 function showLadder(place4, state) {
   const branch = state.branches.find(({ id }) => id === state.branch);
   const key2 = JSON.stringify([branch, state.carried, state.rmse, state.noise_floor, state.unit, state.peak]);
@@ -1863,10 +1915,10 @@ function showLadder(place4, state) {
   const { steps, at: here } = broughtAlong(sameCaptures(branch?.steps ?? [], branch?.at ?? 0), state.carried);
   const errors = steps.flatMap(({ rmse, rmse_heldout }) => [rmse, rmse_heldout]).concat(state.rmse);
   const floor = state.noise_floor;
-  const widest = Math.max(...errors.map((error) => error ?? 0), floor ?? 0) * 1.02;
+  const widest = Math.max(...errors.map((error) => error ?? 0), ...steps.map((step) => step.noise_floor ?? 0)) * 1.02;
   const scale = torqueScale(state);
   const shown2 = (value) => number(value === null ? null : value * scale.factor);
-  const lines = steps.map(({ added, dropped, rmse, rmse_heldout }, at) => {
+  const lines = steps.map(({ added, dropped, rmse, rmse_heldout, noise_floor }, at) => {
     const now = at === here;
     const undone = at > here;
     const label = added ? `+ ${titleOf(added)}` : dropped ? `− ${titleOf(dropped)}` : at === 0 ? "first model" : "fitted anew";
@@ -1875,7 +1927,7 @@ function showLadder(place4, state) {
     bar2.style.width = `${100 * rmse / widest}%`;
     if (now && at > 0) bar2.style.setProperty("--from", `${100 * steps[at - 1].rmse / widest}%`);
     if (rmse_heldout !== null) held.style.left = `${100 * rmse_heldout / widest}%`;
-    const track = make("span", { class: "track" }, bar2, rmse_heldout === null ? null : held, floorMark(floor, widest));
+    const track = make("span", { class: "track" }, bar2, rmse_heldout === null ? null : held, floorMark(noise_floor, widest));
     return make(
       "li",
       { class: `ladder-line${now ? " now" : ""}${undone ? " undone" : ""}`, "aria-current": now ? "step" : null },
@@ -1888,7 +1940,7 @@ function showLadder(place4, state) {
   const head2 = make(
     "div",
     { class: "ladder-line head" },
-    make("span", { class: "legend", text: floor === null ? "noise floor unknown" : `▖noise floor ${shown2(floor)}` }),
+    make("span", { class: "legend", text: floor === null ? "noise floor unknown" : `▖noise floor ${floorWords(steps, here, shown2)}`, title: FLOOR }),
     make("span", { class: "figure", text: `RMS, ${scale.unit}` }),
     make("span", { class: "figure", text: "unseen" })
   );
@@ -1906,6 +1958,11 @@ function sameCaptures(steps, at) {
 function broughtAlong({ steps, at }, carried) {
   const brought = carried.map((one) => ({ ...steps[0], dropped: null, ...one }));
   return brought.length > 1 ? { steps: [...brought, ...steps.slice(1)], at: at + brought.length - 1 } : { steps, at };
+}
+function floorWords(steps, here, shown2) {
+  const [now, first] = [steps[here].noise_floor ?? 0, steps[0].noise_floor ?? 0];
+  const other = now > 0 && first > 0 && Math.abs(now / first - 1) > SAME;
+  return other ? `${shown2(now)} (${shown2(first)} seen by the first model)` : shown2(now);
 }
 function floorMark(floor, widest) {
   if (floor === null) return null;
@@ -1930,8 +1987,69 @@ function latest(work) {
   };
 }
 
+// src/leaving.js
+var MOST = 1e3;
+function leaving(linked, state, leave) {
+  const button = (
+    /** @type {HTMLButtonElement} */
+    byId("leave-out")
+  );
+  const now = () => {
+    const known2 = state();
+    return known2 && linked.data && linked.chosen ? runsOf(linked.chosen, linked.data.columns.t, stretchOf(linked), known2) : {};
+  };
+  button.addEventListener("click", () => {
+    const runs = now();
+    if (Object.keys(runs).length > 0) leave(runs);
+  });
+  return () => {
+    const runs = now();
+    const every = Object.values(runs);
+    button.hidden = every.length === 0;
+    button.disabled = every.some((one) => one.length > MOST);
+    button.textContent = linked.data ? words2(every.flat(), linked.data) : "";
+    button.title = button.disabled ? "too many single samples: brush a stretch of time" : "nothing is fitted to them any more, and the model is fitted anew; Undo takes them in again";
+  };
+}
+function stretchOf(linked) {
+  const { brushed } = linked;
+  return brushed && linked.axes[Math.floor(brushed.plot / 3)] === "time" ? brushed.x : null;
+}
+function runsOf(chosen, t, stretch2, { captures, active }) {
+  const runs = {};
+  const out = new Uint8Array(t.length);
+  if (stretch2) for (let i = 0; i < t.length; i++) out[i] = Number(t[i] >= stretch2[0] && t[i] <= stretch2[1]);
+  else for (const at of chosen) out[at] = 1;
+  let start = 0;
+  for (const id of active) {
+    const end = start + (captures.find((one) => one.id === id)?.samples ?? 0);
+    for (let i = start; i < end; i++) {
+      if (!out[i]) continue;
+      const first = i;
+      while (i + 1 < end && out[i + 1]) i++;
+      (runs[id] ??= []).push([first - start, i - start]);
+    }
+    start = end;
+  }
+  return runs;
+}
+function words2(runs, { several, columns: { t } }) {
+  if (runs.length > 1) return `Leave out ${thousands(runs.length)} stretches`;
+  if (several || runs.length === 0) return "Leave these out";
+  const [from, to] = runs[0].map((at) => number(t[at], 4));
+  return `Leave out ${from} to ${to} s`;
+}
+
+// src/legend.js
+function showLegend({ below_hz: edge, unit }, { masked, residual }, beside2) {
+  byId("beside").hidden = beside2 === null;
+  byId("beside-name").textContent = beside2 ?? "";
+  byId("masked").hidden = !(masked && residual.some((value) => value !== value));
+  byId("measured").title = edge === null ? "as it was recorded" : `the recorded ${torqueWord(unit)} below ${number(edge)} Hz: a filter takes off what is faster, of the modelled one too`;
+}
+
 // src/curve.js
-var ALONG = { t: "time", theta: "position", omega: "velocity", alpha: "acceleration", s: "history" };
+var ALONG = { t: "time", theta: "position", omega: "velocity", alpha: "acceleration", s: "history", load: "load" };
 function drawCurve(canvas, curve, about2, looked) {
   const { clientWidth: width, clientHeight: height } = canvas;
   const brush = canvas.getContext("2d");
@@ -1998,6 +2116,13 @@ function overWords(over, about2) {
   if (!along) return over;
   const label = labelOf(along, about2);
   return inside === over ? label : `|${label.replace(", ", "|, ")}`;
+}
+function variableOf(variable) {
+  const along = (
+    /** @type {Record<string, import("./contents.js").Along>} */
+    ALONG[variable]
+  );
+  return along ? AXES[along].words : variable;
 }
 
 // src/surface.js
@@ -2096,16 +2221,16 @@ var Laws = class {
         return this.deeds.look(null);
       }
       const now = this.typing;
-      const words3 = await this.deeds.attempt(formula, ({ rmse, rmse_heldout, words: params }) => {
+      const words4 = await this.deeds.attempt(formula, ({ rmse, rmse_heldout, words: params, doubt }) => {
         if (now !== this.typing || !this.about) return;
         const scale = torqueScale(this.about);
         const unseen = rmse_heldout === null ? "" : `, ${number(rmse_heldout * scale.factor)} on unseen blocks`;
         said.className = "";
-        said.textContent = `would leave ${number(rmse * scale.factor)} ${scale.unit}${unseen}; ${params.join("; ")}`;
+        said.textContent = `would leave ${number(rmse * scale.factor)} ${scale.unit}${unseen}; ${[...params, ...doubt ? [`⚠ ${doubt}`] : []].join("; ")}`;
       });
-      if (now !== this.typing || words3 === "") return void 0;
+      if (now !== this.typing || words4 === "") return void 0;
       said.className = "doubt";
-      said.textContent = words3;
+      said.textContent = words4;
       return void 0;
     }, TYPED_MS);
   }
@@ -2120,9 +2245,9 @@ var Laws = class {
       byId("curve-plot")
     );
     drawCurve(canvas, curve, this.about, looked);
-    const words3 = curveWords(curve, looked);
-    byId("curve-words").textContent = words3;
-    canvas.setAttribute("aria-label", words3);
+    const words4 = curveWords(curve, looked);
+    byId("curve-words").textContent = words4;
+    canvas.setAttribute("aria-label", words4);
   }
   /** @param {number} looked from 1; of a law of fewer variables, the first that has a map stays beside */
   drawMaps(looked) {
@@ -2130,8 +2255,8 @@ var Laws = class {
     byId("surface").hidden = surface === null;
     if (!surface || !this.about) return;
     const law = surface.laws[looked - 1] ? looked : surface.laws.findIndex((one) => one !== null) + 1;
-    const words3 = surfaceWords(surface, this.about);
-    byId("surface-words").textContent = words3;
+    const words4 = surfaceWords(surface, this.about);
+    byId("surface-words").textContent = words4;
     for (
       const [id, shown2] of
       /** @type {const} */
@@ -2142,7 +2267,7 @@ var Laws = class {
         byId(id)
       );
       drawSurface(canvas, surface, this.about, shown2);
-      canvas.setAttribute("aria-label", `${shown2 === null ? "what is left" : `what law ${shown2} makes of it`}. ${words3}`);
+      canvas.setAttribute("aria-label", `${shown2 === null ? "what is left" : `what law ${shown2} makes of it`}. ${words4}`);
     }
   }
   /** @param {State} state */
@@ -2165,15 +2290,19 @@ var Laws = class {
       });
       this.place.replaceChildren(make("p", {}, ask2));
     } else {
+      const { coordinate } = this.about;
+      const said = proposed_said.map((part) => typeof part === "string" ? writtenOf(part, coordinate) : part);
       const list = proposed.map((law, at) => this.item(law, at + 1, rmse ?? law.rmse));
       this.place.replaceChildren(
-        make("p", { class: "soft small", role: "status" }, ...nodes(proposed_said, this.about)),
+        make("p", { class: "soft small", role: "status" }, ...nodes(said, this.about)),
         ...list.length > 0 ? [make("ul", { class: "laws", "aria-label": "laws that are proposed" }, ...list)] : []
       );
     }
   }
   /** @param {Law} row @param {number} number @param {number} rmse what is left without it */
-  item({ label, law, words: words3, rmse: left, start }, number2, rmse) {
+  item({ label, law, variables, words: words4, doubt, rmse: left, start }, number2, rmse) {
+    const coordinate = this.about?.coordinate ?? "rotary";
+    const of = `of ${variables.map(variableOf).join(", ")}`;
     const edit = make("button", {
       ...{ type: "button", text: "Edit…", "aria-label": `edit law ${number2}`, title: "as a formula of your own" },
       on: { click: () => edited(law, start) }
@@ -2206,9 +2335,10 @@ var Laws = class {
     return make(
       "li",
       { class: "law", on: { pointerenter: look, pointerleave: away, focusin: look, focusout: away } },
-      make("code", { text: `${number2}. ${label}` }),
+      make("code", { text: `${number2}. ${writtenOf(label, coordinate)}`, title: `typed as ${law}` }),
       make("span", { class: "figure", text: percent(left / rmse - 1), title: "fall of the RMS error" }),
-      make("span", { class: "soft", text: words3.join("; ") }),
+      make("span", { class: "soft", text: [...words4, of].join("; ") }),
+      doubt ? make("span", { class: "doubt", text: `⚠ ${doubt}` }) : null,
       form
     );
   }
@@ -2232,15 +2362,24 @@ var REST_MS = 300;
 function showLeft(left, { go, anew }) {
   byId("left-behind").hidden = left.length === 0;
   const rows = left.map(
-    (one) => one.wrong === null ? make("li", {}, make("button", { type: "button", class: "main", on: { click: () => go(one.id) } }, "Continue"), ` ${words2(one)}`) : make("li", { class: "wrong", text: one.wrong })
+    (one) => one.wrong === null ? make(
+      "li",
+      { title: one.captures.join("\n") },
+      make("button", { type: "button", class: "main", on: { click: () => go(one.id) } }, "Continue"),
+      make("span", {}, make("strong", { text: called(one) }), " ", make("span", { class: "soft", text: words3(one) }))
+    ) : make("li", { class: "wrong", text: one.wrong })
   );
   const other = make("button", { type: "button", on: { click: anew } }, "Start anew");
   byId("left-rows").replaceChildren(...rows, make("li", {}, other));
 }
-function words2({ captures, steps, ended, when }) {
-  const at = when === null ? "" : new Date(1e3 * when).toLocaleString();
-  const fits = steps === 1 ? "one fit" : `${steps} fits`;
-  return `${captures.join(", ")}: ${fits}, ${ended ? "ended" : "broken off"} ${at}`;
+var FEW3 = 2;
+function called({ captures }) {
+  const more = captures.length - FEW3;
+  return more > 1 ? `${captures.slice(0, FEW3).join(", ")} and ${more} more` : captures.join(", ");
+}
+function words3({ steps, ended, when }) {
+  const at = when === null ? "" : ` ${new Date(1e3 * when).toLocaleString([], { dateStyle: "medium", timeStyle: "short" })}`;
+  return `${steps === 1 ? "one fit" : `${steps} fits`}, ${ended ? "ended" : "broken off"}${at}`;
 }
 var Looking = class {
   /** @param {() => Looked} now */
@@ -2589,7 +2728,7 @@ function idle(work) {
 }
 
 // src/plot.js
-var FEW3 = 8e3;
+var FEW4 = 8e3;
 var FEW_CHOSEN = 20;
 var CLOUDS = 8;
 var AT_ONCE = 5e4;
@@ -2642,7 +2781,7 @@ var Plot = class {
     const inner = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom];
     const [columns, rows] = inner.map((length) => Math.max(8, Math.round(length * this.scale)));
     const part = { x: xAxis.part ?? false, y: yAxis.part ?? false };
-    const many = x.length > FEW3 && !(part.x && fewBetween(x, xAxis));
+    const many = x.length > FEW4 && !(part.x && fewBetween(x, xAxis));
     const dot2 = Math.max(1, Math.round((many ? 2 : 3) * this.scale));
     this.frame = { width: columns, height: rows, x: [xAxis.low, xAxis.high], y: [yAxis.low, yAxis.high], dot: dot2, part };
     this.pick = null;
@@ -2796,18 +2935,18 @@ var Plot = class {
 };
 function fewBetween(x, { low, high }) {
   let count = 0;
-  for (let i = 0; i < x.length && count <= FEW3; i++) if (x[i] >= low && x[i] <= high) count++;
-  return count <= FEW3;
+  for (let i = 0; i < x.length && count <= FEW4; i++) if (x[i] >= low && x[i] <= high) count++;
+  return count <= FEW4;
 }
 
 // src/settling.js
 var LASTS_MS = 700;
-var MOST = 6e4;
+var MOST2 = 6e4;
 function movesFrom(before, now) {
   const from = before?.columns.residual;
   const same = before?.columns.t === now.columns.t && from !== now.columns.residual && before?.fitted && now.fitted;
   const still = globalThis.matchMedia?.("(prefers-reduced-motion: reduce)").matches ?? true;
-  return from && same && !still && from.length <= MOST ? from : null;
+  return from && same && !still && from.length <= MOST2 ? from : null;
 }
 function between2(from, to, share) {
   return to.map((value, i) => from[i] === from[i] ? from[i] + share * (value - from[i]) : value);
@@ -2947,7 +3086,7 @@ var Linked = class {
    */
   show(data, view) {
     const { columns } = data;
-    if (this.data && this.data.columns.t.length !== columns.t.length) {
+    if (this.data && (this.data.columns.t.length !== columns.t.length || this.data.of !== data.of)) {
       this.clear();
       this.moment.none();
       this.seen.fill(null);
@@ -3192,12 +3331,12 @@ var Linked = class {
     const count = `${thousands(chosen.length)} ${chosen.length === 1 ? "sample" : "samples"} chosen, ${part} of all`;
     if (share.counted === 0 && chosen.length > 0) return this.told(`${count}: nothing is fitted to them`);
     const own = chosen.length > 0 ? ` (${rms(share.rms)})` : "";
-    let words3 = `${count}: they have ${percent(share.ofError)} of the squared error${own}`;
+    let words4 = `${count}: they have ${percent(share.ofError)} of the squared error${own}`;
     if (data.beside && chosen.length > 0) {
       const { sum, count: counted2 } = chosenSquares(data.beside.residual, chosen);
-      words3 += `; in ${data.beside.name}: ${rms(Math.sqrt(sum / Math.max(1, counted2)))}`;
+      words4 += `; in ${data.beside.name}: ${rms(Math.sqrt(sum / Math.max(1, counted2)))}`;
     }
-    return this.told(words3);
+    return this.told(words4);
   }
 };
 function picker(at, picked) {
@@ -3854,6 +3993,117 @@ function dot(brush, x, y, size, colour) {
   brush.fill();
 }
 
+// src/untold.js
+function insteadOf({ candidates, record, untold }) {
+  if (untold.length > 0) return "";
+  if (candidates.rows.some(({ could_be: could }) => could)) return "What to record next: that is known once what is missing is in the model.";
+  return record ? `What to record next, to see what it is: ${record}.` : "";
+}
+function showUntold(place4, { untold }, apart2) {
+  const rows = untold.map(
+    (effects) => make(
+      "li",
+      {},
+      ...listed([effects[0]], ""),
+      " came in; these captures cannot tell it from ",
+      ...listed(effects.slice(1), ", "),
+      ". ",
+      make("button", { type: "button", text: "Tell apart…", on: { click: () => apart2(effects) } })
+    )
+  );
+  place4.replaceChildren(...rows);
+}
+
+// src/within.js
+var DIGITS = 4;
+var Within = class {
+  /** @param {() => unknown} design anew, within what is `wanted` by then */
+  constructor(design) {
+    this.wanted = {};
+    this.reached = {};
+    this.unit = "";
+    this.shown = "";
+    this.enough = null;
+    byId("next-limits").addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.read();
+      design();
+    });
+    byId("next-enough").addEventListener("click", () => {
+      if (!this.enough) return;
+      this.wanted = { ...this.wanted, ...wider(this.enough, this.all) };
+      design();
+    });
+  }
+  /** All limits as they are wanted. @returns {Record<string, number>} */
+  get all() {
+    return (
+      /** @type {Record<string, number>} */
+      { ...this.reached, ...this.wanted }
+    );
+  }
+  /** Take what is typed; a field that is empty, or as it was filled, is for what the captures reached. */
+  read() {
+    this.wanted = {};
+    for (const { name, value, validity } of this.fields) {
+      if (validity.badInput) this.wanted[name] = "no number";
+      else if (value.trim() !== "" && Number(value) !== rounded(this.reached[name])) this.wanted[name] = Number(value);
+    }
+    this.shown = "";
+  }
+  /** @returns {HTMLInputElement[]} */
+  get fields() {
+    return [...byId("next-limits").querySelectorAll("input")].filter(({ type }) => type === "number");
+  }
+  /**
+   * Show the limits; what was typed is kept as long as torques and positions are in the same units.
+   * @param {State} state
+   */
+  show(state) {
+    const about2 = aboutOf(state);
+    const unit = `${about2.coordinate} ${about2.unit}`;
+    if (unit !== this.unit) this.wanted = {};
+    this.unit = unit;
+    this.reached = state.limits ?? {};
+    const shown2 = JSON.stringify([unit, this.all]);
+    if (shown2 === this.shown) return;
+    this.shown = shown2;
+    const words4 = limitWords(about2);
+    for (const field3 of this.fields) {
+      const value = this.all[field3.name];
+      field3.value = value === void 0 ? "" : String(rounded(value));
+      if (field3.name in words4 && field3.previousElementSibling) field3.previousElementSibling.textContent = words4[field3.name];
+    }
+    const own = Object.keys(this.wanted).length;
+    byId("next-whose").textContent = own === 0 ? ": what the captures reached" : `: ${own} of your own`;
+  }
+  /**
+   * Take the limits of a motion that is there, unless others are wanted: those of a session that goes on, say.
+   * @param {Record<string, number>} limits
+   */
+  adopt(limits2) {
+    if (Object.keys(this.wanted).length > 0) return;
+    const other = Object.entries(limits2).filter(([name, value]) => rounded(value) !== rounded(this.reached[name] ?? value));
+    this.wanted = Object.fromEntries(other);
+  }
+  /**
+   * Offer the smallest change of a limit that would do.
+   * @param {Enough | null} enough
+   * @param {State} state
+   */
+  offer(enough, state) {
+    this.enough = enough;
+    byId("next-enough").hidden = enough === null;
+    if (enough) byId("next-enough").textContent = `Design with ${enoughWords(wider(enough, this.all), aboutOf(state))}`;
+  }
+};
+function rounded(value) {
+  return Number(value.toPrecision(DIGITS));
+}
+function wider({ limit, to }, { theta_min_rad, theta_max_rad }) {
+  return limit === "theta_max_rad" ? { theta_min_rad: theta_min_rad + theta_max_rad - to, theta_max_rad: to } : { [limit]: to };
+}
+
 // src/next.js
 var COLOURS = ["--modelled", "--wrong", "--signature", "--beside", "--chosen", "--ink", "--band", "--measured"];
 var MOTION2 = ["t", "theta", "omega"];
@@ -3866,6 +4116,7 @@ var Next = class {
   constructor(deeds) {
     this.deeds = deeds;
     this.metronome = new Metronome(deeds.where);
+    this.within = new Within(() => this.design(this.effects ?? this.rivals));
     this.plots = ["angle over time", "velocity over angle", "torques of the rivals"].map(
       (name) => new Plot(`${name} of the next experiment`, () => {
       })
@@ -3894,52 +4145,66 @@ var Next = class {
       this.fromPort({});
     });
     byId("rig-clear").addEventListener("click", () => this.fromPort({ clear_fault: this.fault }));
-    byId("next-limits").addEventListener("submit", (event) => {
-      event.preventDefault();
-      this.designAgain();
+    byId("next-bounds").addEventListener("click", () => {
+      this.open();
+      byId("next-within").open = true;
     });
   }
   /** @returns {Experiment | null} */
   get told() {
     return this.state?.experiment ?? null;
   }
+  /** The effects that the motion which is shown is for; none where it is for a parameter. @returns {string[]} */
+  get rivals() {
+    const rivals = this.told?.rivals ?? [];
+    return rivals.length > 1 ? rivals.map((rival) => effectsOf(rival).at(-1) ?? "") : [];
+  }
   /**
-   * Design a motion for effects, and show it; for none: for what is known least.
+   * Design a motion for effects, and show it; for none: for what is known least. Where none is within the limits, they
+   * are shown in its place.
    * @param {string[]} effects
-   * @param {object} [within]
    * @returns {Promise<boolean>} whether there is one
    */
-  async design(effects, within4 = {}) {
+  async design(effects) {
     this.effects = effects;
     const by_hand = (
       /** @type {HTMLInputElement} */
       byId("next-only-hand").checked
     );
     this.enable(false);
-    const made = await this.deeds.design({ effects, limits: within4, by_hand });
-    this.enable(true);
-    if (made) this.open();
-    return Boolean(made);
+    this.refuse("");
+    try {
+      await this.deeds.design({ effects, limits: this.within.wanted, by_hand });
+      this.open();
+      return true;
+    } catch (reason2) {
+      const words4 = this.state ? ofLimits(wordsOf(reason2), aboutOf(this.state)) : "";
+      if (!words4.startsWith("limits")) {
+        this.deeds.failed(reason2);
+        return false;
+      }
+      this.open();
+      this.refuse(words4, reason2 instanceof Refusal ? reason2.enough : null);
+      return false;
+    } finally {
+      this.enable(true);
+    }
+  }
+  /**
+   * Say why there is no motion, and with which limit there would be one; nothing where there is.
+   * @param {string} words
+   * @param {import("./types.js").Enough | null} [enough]
+   */
+  refuse(words4, enough = this.told?.change ?? null) {
+    byId("next-refused").textContent = words4;
+    if (words4) byId("next-within").open = true;
+    if (this.state) this.within.offer(enough, this.state);
   }
   /** What makes another one waits for this one. @param {boolean} free */
   enable(free) {
-    for (const id of ["next-record", "next-port", "next-again", "next-hand", "next-show"]) {
+    for (const id of ["next-record", "next-port", "next-again", "next-hand", "next-show", "next-enough"]) {
       byId(id).disabled = !free;
     }
-  }
-  /** Design it anew within the limits that are typed. */
-  designAgain() {
-    const within4 = {};
-    for (const [name, value] of new FormData(
-      /** @type {HTMLFormElement} */
-      byId("next-limits")
-    )) {
-      const typed = Number(value);
-      within4[name] = String(value).trim() && Number.isFinite(typed) ? typed : value;
-    }
-    const rivals = this.told?.rivals ?? [];
-    const before = rivals.length > 1 ? rivals.map((rival) => effectsOf(rival).at(-1) ?? "") : [];
-    return this.design(this.effects ?? before, within4);
   }
   open() {
     byId("next").hidden = false;
@@ -3954,14 +4219,20 @@ var Next = class {
   /** @param {State} state */
   show(state) {
     this.state = state;
+    showUntold(byId("untold"), state, (effects) => this.design(effects));
     const { experiment, node, recording, candidates } = state;
     byId("next-line").hidden = experiment === null && !(candidates.ready && node !== null);
     byId("next-show").textContent = experiment ? "Next experiment…" : "What to record next…";
     const instead = experiment === null ? insteadOf(state) : "";
     byId("next-show").hidden = instead !== "";
+    byId("next-bounds").hidden = instead !== "";
+    byId("next").classList.toggle("without", experiment === null);
+    if (node === null) byId("next").hidden = true;
+    this.within.show(state);
     if (experiment === null) {
-      byId("next").hidden = true;
       byId("next-said").textContent = instead;
+      for (const id of ["next-time", "next-headline", "next-verdict"]) byId(id).textContent = "";
+      byId("next-again").textContent = "Design";
       return;
     }
     byId("next-said").replaceChildren(...nodes(experiment.verdict ?? experiment.promises, aboutOf(state)));
@@ -3975,10 +4246,15 @@ var Next = class {
   }
   /** @param {Experiment} experiment @param {State} state */
   tell(experiment, state) {
-    const { headline, verdict, source, pairs, steps, by_hand, seconds: seconds2, limits: within4 } = experiment;
+    const { headline, verdict, source, pairs, steps, by_hand, seconds: seconds2 } = experiment;
     const about2 = aboutOf(state);
+    if (experiment.capture === null) this.within.adopt(experiment.limits);
+    this.within.show(state);
+    this.refuse("");
+    byId("next-again").textContent = "Design again";
     byId("next-time").textContent = `${number(seconds2)} s`;
-    byId("next-headline").replaceChildren(...nodes(headline, about2));
+    const called2 = headline.map((part) => typeof part === "string" ? inFormWords(part, about2) : part);
+    byId("next-headline").replaceChildren(...nodes(called2, about2));
     byId("next-verdict").replaceChildren(...nodes(verdict ?? [], about2));
     byId("next-record").hidden = source === null;
     byId("next-record").textContent = experiment.capture ? "Record it again" : "Record it";
@@ -3992,13 +4268,6 @@ var Next = class {
     byId("next-can").textContent = by_hand ? `By hand, led by a metronome${led}` : "For a motor";
     byId("next-no-hand").hidden = by_hand;
     byId("next-steps").replaceChildren(...(by_hand ? steps : []).map(({ words: words4 }) => make("li", {}, words4)));
-    const words3 = limitWords(about2);
-    for (const [name, value] of Object.entries(within4)) {
-      const field3 = byId("next-limits").querySelector(`[name=${name}]`);
-      if (!(field3 instanceof HTMLInputElement)) continue;
-      field3.value = String(Number(value.toPrecision(4)));
-      if (name in words3 && field3.previousElementSibling) field3.previousElementSibling.textContent = words3[name];
-    }
   }
   /** @param {Experiment} experiment @param {State} state */
   async load(experiment, { node, active }) {
@@ -4016,15 +4285,15 @@ var Next = class {
   draw() {
     const { motion, recorded = [], state } = this;
     if (!motion || !state?.experiment || byId("next").hidden) return;
-    const words3 = motionWords(aboutOf(state));
+    const words4 = motionWords(aboutOf(state));
     const both = (name) => [...recorded.map((part) => part[name]), motion[name]];
     const since = recorded.map(({ t }) => t.map((value) => value - (t[0] ?? 0)));
     const [over, across] = ["theta", "omega"].map((name) => ({ y: both(name), name }));
     for (const [at, { y, name }] of [over, across].entries()) {
       const x = at === 0 ? [...since, motion.t] : both("theta");
-      const label = (one) => `${words3[one].name}, ${words3[one].unit}`;
+      const label = (one) => `${words4[one].name}, ${words4[one].unit}`;
       this.plots[at].show({
-        title: at === 0 ? `${words3.theta.name} over time` : `velocity over ${words3.theta.name}`,
+        title: at === 0 ? `${words4.theta.name} over time` : `velocity over ${words4.theta.name}`,
         ...clouds(x, y, ["--measured", "--signature"]),
         xAxis: at === 0 ? axis(limits(x), "time, s") : seen(x, label("theta")),
         yAxis: seen(y, label(
@@ -4072,7 +4341,7 @@ var Next = class {
     byId("rig-warning").hidden = by_hand;
     try {
       const known2 = await ask("sources");
-      byId("rig-ports").replaceChildren(...known2.ports.map(({ port: port2, words: words3 }) => make("option", { value: port2, text: words3 })));
+      byId("rig-ports").replaceChildren(...known2.ports.map(({ port: port2, words: words4 }) => make("option", { value: port2, text: words4 })));
       const [port, folder] = ["port", "folder"].map((name) => field("rig-form", name));
       if (!port.value && known2.ports.length === 1) port.value = known2.ports[0].port;
       if (!folder.value) folder.value = known2.folder;
@@ -4101,7 +4370,8 @@ var Next = class {
   async lead() {
     if (this.told && !this.told.by_hand) {
       byId("next-only-hand").checked = true;
-      if (!await this.designAgain()) return;
+      this.within.read();
+      if (!await this.design(this.effects ?? this.rivals)) return;
     }
     await this.loading;
     const { told, motion, state } = this;
@@ -4126,25 +4396,6 @@ var Next = class {
     }
   }
 };
-function insteadOf({ candidates, record, untold }) {
-  if (untold.length > 0) return "";
-  if (candidates.rows.some(({ could_be: could }) => could)) return "What to record next: that is known once what is missing is in the model.";
-  return record ? `What to record next, to see what it is: ${record}.` : "";
-}
-function showUntold(place4, { untold }, apart2) {
-  const rows = untold.map(
-    (effects) => make(
-      "li",
-      {},
-      ...listed([effects[0]], ""),
-      " came in; these captures cannot tell it from ",
-      ...listed(effects.slice(1), ", "),
-      ". ",
-      make("button", { type: "button", text: "Tell apart…", on: { click: () => apart2(effects) } })
-    )
-  );
-  place4.replaceChildren(...rows);
-}
 function rig() {
   return (
     /** @type {HTMLDialogElement} */
@@ -4347,9 +4598,9 @@ var Params = class {
     );
   }
   /** What a parameter is, below it. @param {Param} param */
-  meaning({ name, meaning: words3 }) {
-    if (!words3) return "";
-    return make("tr", {}, make("td", { class: "meaning soft", colspan: 4 }, words3, this.rows.get(name)?.apart ?? ""));
+  meaning({ name, meaning: words4 }) {
+    if (!words4) return "";
+    return make("tr", {}, make("td", { class: "meaning soft", colspan: 4 }, words4, this.rows.get(name)?.apart ?? ""));
   }
   /** @param {string} name */
   drag(name) {
@@ -4429,7 +4680,7 @@ function sources(heard) {
     byId("new-effects").hidden = valueOf(form, "hides") !== "chosen";
     go.textContent = source === "simulated" ? "Simulate" : "Record";
     if (!known2) return;
-    fill(form, "motion", Object.entries(known2.motions[source]).map(([name, words3]) => [name, `${name}: ${words3}`]));
+    fill(form, "motion", Object.entries(known2.motions[source]).map(([name, words4]) => [name, `${name}: ${words4}`]));
     byId("new-warning").hidden ||= valueOf(form, "motion") === "hand" && !valueOf(form, "model").trim();
     const level = levelOf(form);
     for (const name of ["knob", "motion", "duration_s", "seed"]) field2(form, name).disabled = level !== "";
@@ -4451,11 +4702,11 @@ function sources(heard) {
     } finally {
       byId("new-doing").textContent = "";
     }
-    fill(form, "knob", known2.knobs.map(({ name, words: words3 }) => [name, words3]), "knob3");
+    fill(form, "knob", known2.knobs.map(({ name, words: words4 }) => [name, words4]), "knob3");
     const { hideable } = known2.knobs[0];
     const every = [.../* @__PURE__ */ new Set([...hideable, ...known2.knobs.flatMap((knob2) => knob2.hideable)])];
     if (!byId("new-effects").querySelector("input")) byId("new-effects").append(...every.map(effectBox(known2)));
-    byId("new-ports").replaceChildren(...known2.ports.map(({ port: port2, words: words3 }) => make("option", { value: port2, text: words3 })));
+    byId("new-ports").replaceChildren(...known2.ports.map(({ port: port2, words: words4 }) => make("option", { value: port2, text: words4 })));
     byId("new-found").textContent = found(known2.ports);
     const port = field2(form, "port");
     const typing = document.activeElement === port;
@@ -4551,7 +4802,7 @@ function effectBox({ effects: shows, titles: titles2 }) {
 }
 function found(ports) {
   if (ports.length === 0) return "This computer has no serial port now; a path can be typed all the same.";
-  return ports.map(({ port, words: words3 }) => words3 && words3 !== "n/a" ? `${port} (${words3})` : port).join(", ");
+  return ports.map(({ port, words: words4 }) => words4 && words4 !== "n/a" ? `${port} (${words4})` : port).join(", ");
 }
 function fill(form, name, choices, first) {
   const list = (
@@ -4589,8 +4840,8 @@ function themed(changed) {
 }
 
 // src/verdict.js
-function showVerdict(element2, { concluded, verdict, candidates, titles: titles2 }, about2, to) {
-  const key2 = JSON.stringify([concluded, verdict, candidates, about2, titles2]);
+function showVerdict(element2, { added, concluded, verdict, candidates, titles: titles2 }, about2, to) {
+  const key2 = JSON.stringify([added, concluded, verdict, candidates, about2, titles2]);
   if (element2.dataset.told === key2) return;
   element2.dataset.told = key2;
   const worst = [...concluded, ...verdict].find((part) => typeof part === "object" && "low" in part);
@@ -4599,12 +4850,20 @@ function showVerdict(element2, { concluded, verdict, candidates, titles: titles2
     worst
   );
   const shown2 = (part) => {
-    const [words3, leads] = [wordsOfPart(part, about2), leadOf(part, place4, candidates, to)];
-    return leads ? link({ words: words3, ...leads }) : words3;
+    const [words4, leads] = [wordsOfPart(part, about2), leadOf(part, place4, candidates, to)];
+    return leads ? link({ words: words4, ...leads }) : words4;
   };
   const first = plainly(candidates, about2, to).map((part) => typeof part === "string" ? part : link(part));
-  const head2 = [...first, ...concluded.map(shown2)];
+  const head2 = beside(added, [...first, ...concluded.map(shown2)]);
   element2.replaceChildren(...head2.length > 0 ? [make("strong", {}, ...head2), " "] : [], ...verdict.map(shown2));
+}
+function beside(added, [first, ...rest]) {
+  if (first === void 0) return [];
+  if (added.length === 0) return [first, ...rest];
+  const names = added.map(titleOf);
+  const all = names.length > 1 ? `${names.slice(0, -1).join(", ")} and ${names.at(-1)}` : names[0];
+  const begun = typeof first === "string" ? `${first.slice(0, 1).toLowerCase()}${first.slice(1)}` : first;
+  return [`With ${all} added: `, begun, ...rest];
 }
 function leadOf(part, place4, { rows }, to) {
   if (typeof part === "string") return null;
@@ -4617,25 +4876,26 @@ function leadOf(part, place4, { rows }, to) {
 function towards(effect, to) {
   return { title: `what it would explain (${effect})`, go: () => to.effect(effect) };
 }
-function link({ words: words3, title, go, kind = "" }) {
+function link({ words: words4, title, go, kind = "" }) {
   const click = (event) => {
     event.preventDefault();
     go();
   };
-  return make("a", { class: `leads ${kind}`.trim(), href: "#plots", title, text: words3, on: { click } });
+  return make("a", { class: `leads ${kind}`.trim(), href: "#plots", title, text: words4, on: { click } });
 }
 function plainly({ ready, rows }, about2, to) {
   const first = ready ? rows.find(({ could_be: could }) => could) : void 0;
   if (!first) return [];
-  const { effect, name, error_fall: fall, equivalent } = first;
+  const { effect, name, error_fall: fall, equivalent, unsettled } = first;
   const said = sentence(first.said, about2);
   const lead = (one) => ({ words: titleOf(one), ...towards(one, to) });
   return [
     `${said.slice(0, 1).toUpperCase()}${said.slice(1)}: ${name} (`,
     lead(effect),
     `), which takes ${percent(fall)} off the error. `,
+    ...unsettled ? [`But ${unsettled}. `] : [],
     { words: "Add it", title: "take it into the model, and fit it", go: () => to.add(effect) },
-    ", and see what is left.",
+    unsettled ? " to see what is left, not for its values." : ", and see what is left.",
     ...equivalent.length > 0 ? tied(equivalent.map(lead), () => to.apart([effect, ...equivalent])) : []
   ];
 }
@@ -4659,14 +4919,18 @@ var App = class {
     this.looks = new Looking(() => ({ view: this.view, beside: this.beside, brush: this.linked.brushed }));
     this.brushedThen = null;
     this.linked = new Linked(
-      (words3) => {
-        byId("chosen").textContent = words3 ?? BRUSH_HINT;
+      (words4) => {
+        byId("chosen").textContent = words4 ?? BRUSH_HINT;
+        this.leavable?.();
         this.looks.changed();
       },
       (axes) => this.see({ axes }),
       { fetched: true, pointed: showMoment }
     );
     byId("plots").append(this.linked.element);
+    this.leavable = leaving(this.linked, () => this.state, async (runs) => {
+      if (await this.ask("leave-out", { runs }, "data")) this.linked.clear();
+    });
     this.overlay = new Overlay(this.store, this.linked, () => this.state, (reason2) => this.failed(reason2));
     this.refresh = latest((revision) => this.load(revision));
     this.drag = latest(async (values) => {
@@ -4696,9 +4960,9 @@ var App = class {
     this.next = new Next({
       store: this.store,
       design: async (body) => {
-        const answer = await this.ask("design", body);
-        if (answer) await this.load(Infinity);
-        return answer;
+        await post("design", body);
+        this.say("");
+        await this.load(Infinity);
       },
       recording: () => this.live?.follow(),
       where: () => this.live?.angle ?? null,
@@ -4710,7 +4974,7 @@ var App = class {
     const heard = {
       done: () => this.refresh(Infinity),
       failed: (reason2) => this.failed(reason2),
-      say: (words3) => this.say(words3)
+      say: (words4) => this.say(words4)
     };
     this.askOf = opening(heard);
     saving(heard);
@@ -4801,7 +5065,7 @@ var App = class {
     try {
       const answer = await post(verb, body);
       this.say("");
-      if (answer.node && this.state?.node) this.expect(answer.node, this.state.active);
+      if (answer.node && this.state?.node && deed !== "data") this.expect(answer.node, capturesOf(answer.node, this.state));
       if (answer.revision !== void 0) this.refresh(answer.revision);
       return answer;
     } catch (reason2) {
@@ -4874,7 +5138,6 @@ var App = class {
     this.laws.show(state);
     this.any.show(state.absent);
     this.next.show(state);
-    showUntold(byId("untold"), state, (effects) => this.next.design(effects));
     this.showJob(state.job);
     const branch = state.branches.find(({ id }) => id === state.branch);
     enable("undo", (branch?.at ?? 0) > 0);
@@ -4883,7 +5146,7 @@ var App = class {
     enable("new-branch", state.node !== null);
   }
   /** Look at a session as it was looked at. @param {import("./types.js").Looked} looked */
-  lookAgain({ view, beside, brush }) {
+  lookAgain({ view, beside: beside2, brush }) {
     this.view = { ...this.view, ...view };
     for (
       const option of
@@ -4892,7 +5155,7 @@ var App = class {
     ) {
       byId(option).checked = view[option];
     }
-    this.beside = beside;
+    this.beside = beside2;
     this.brushedThen = brush;
   }
   /** @param {State} state */
@@ -4912,12 +5175,12 @@ var App = class {
     this.deed = null;
     const fitted = !state.params.some(({ dragged }) => dragged);
     const name = state.branches.find(({ id }) => id === state.branch)?.name;
-    const beside = other && rest ? { name: other.name, residual: rest.residual } : null;
-    this.legend(beside?.name ?? null);
-    byId("masked").hidden = !columns.masked?.some((value) => value === value);
+    const beside2 = other && rest ? { name: other.name, residual: rest.residual } : null;
+    showLegend(state, columns, beside2?.name ?? null);
     const splits = fitted ? this.store.splits.get(node) : [];
     const noise = state.noise_floor;
-    const data = { several: active.length > 1, columns, ...aboutOf(state), noise, fitted, name, beside, splits };
+    const of = String(state.captures.filter(({ id }) => active.includes(id)).map((one) => one.name));
+    const data = { several: active.length > 1, of, below_hz: state.below_hz, columns, ...aboutOf(state), noise, fitted, name, beside: beside2, splits };
     timed(what, () => {
       this.linked.show(data, view);
       if (this.brushedThen) this.linked.brushAgain(this.brushedThen);
@@ -4941,11 +5204,6 @@ var App = class {
       }
     });
   }
-  /** @param {string | null} name of the branch beside, null for none */
-  legend(name) {
-    byId("beside").hidden = name === null;
-    byId("beside-name").textContent = name ?? "";
-  }
   /** Show what an effect is, moved as the capture moved. @param {import("./types.js").Effect} effect */
   about(effect) {
     const { state } = this;
@@ -4961,15 +5219,7 @@ var App = class {
   /** @param {Job | null} job */
   showJob(job) {
     this.job = job;
-    byId("job").hidden = job === null;
-    if (!job) return;
-    byId("job-what").textContent = job.what;
-    const bar2 = (
-      /** @type {HTMLProgressElement} */
-      byId("job-done")
-    );
-    if (job.done === null) bar2.removeAttribute("value");
-    else bar2.value = job.done;
+    showJob(job);
   }
   /** @param {Job} job */
   showRecording({ what, done }) {
@@ -4978,8 +5228,8 @@ var App = class {
     if (done !== null && !this.live?.following) this.live?.follow();
   }
   /** @param {string} words */
-  say(words3) {
-    byId("said").textContent = words3;
+  say(words4) {
+    byId("said").textContent = words4;
     byId("said").classList.remove("wrong");
   }
   /** @param {unknown} reason */

@@ -1,0 +1,113 @@
+/** Within which limits a motion is designed: those that the captures reached, unless others are typed. */
+
+import { byId } from "./dom.js";
+import { enoughWords, limitWords } from "./evidence.js";
+import { aboutOf } from "./said.js";
+
+/** @typedef {import("./types.js").State} State */
+/** @typedef {import("./types.js").Enough} Enough */
+
+const DIGITS = 4;
+
+export class Within {
+  /** @param {() => unknown} design anew, within what is `wanted` by then */
+  constructor(design) {
+    /** @type {Record<string, number | string>} what was typed and is other than what was reached, by name */
+    this.wanted = {};
+    /** @type {Record<string, number>} what the captures reached */
+    this.reached = {};
+    this.unit = "";
+    this.shown = ""; // what the fields were filled with: what is being typed stays
+    /** @type {Enough | null} */
+    this.enough = null;
+    byId("next-limits").addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.read();
+      design();
+    });
+    byId("next-enough").addEventListener("click", () => {
+      if (!this.enough) return;
+      this.wanted = { ...this.wanted, ...wider(this.enough, this.all) };
+      design();
+    });
+  }
+
+  /** All limits as they are wanted. @returns {Record<string, number>} */
+  get all() {
+    return /** @type {Record<string, number>} */ ({ ...this.reached, ...this.wanted });
+  }
+
+  /** Take what is typed; a field that is empty, or as it was filled, is for what the captures reached. */
+  read() {
+    this.wanted = {};
+    for (const { name, value, validity } of this.fields) {
+      if (validity.badInput) this.wanted[name] = "no number"; // the program says what is wrong with it
+      else if (value.trim() !== "" && Number(value) !== rounded(this.reached[name])) this.wanted[name] = Number(value);
+    }
+    this.shown = ""; // so that what is empty is filled again
+  }
+
+  /** @returns {HTMLInputElement[]} */
+  get fields() {
+    return [...byId("next-limits").querySelectorAll("input")].filter(({ type }) => type === "number");
+  }
+
+  /**
+   * Show the limits; what was typed is kept as long as torques and positions are in the same units.
+   * @param {State} state
+   */
+  show(state) {
+    const about = aboutOf(state);
+    const unit = `${about.coordinate} ${about.unit}`;
+    if (unit !== this.unit) this.wanted = {};
+    this.unit = unit;
+    this.reached = state.limits ?? {};
+    const shown = JSON.stringify([unit, this.all]);
+    if (shown === this.shown) return;
+    this.shown = shown;
+    const words = limitWords(about);
+    for (const field of this.fields) {
+      const value = this.all[field.name];
+      field.value = value === undefined ? "" : String(rounded(value));
+      if (field.name in words && field.previousElementSibling) field.previousElementSibling.textContent = words[field.name];
+    }
+    const own = Object.keys(this.wanted).length;
+    byId("next-whose").textContent = own === 0 ? ": what the captures reached" : `: ${own} of your own`;
+  }
+
+  /**
+   * Take the limits of a motion that is there, unless others are wanted: those of a session that goes on, say.
+   * @param {Record<string, number>} limits
+   */
+  adopt(limits) {
+    if (Object.keys(this.wanted).length > 0) return;
+    const other = Object.entries(limits).filter(([name, value]) => rounded(value) !== rounded(this.reached[name] ?? value));
+    this.wanted = Object.fromEntries(other);
+  }
+
+  /**
+   * Offer the smallest change of a limit that would do.
+   * @param {Enough | null} enough
+   * @param {State} state
+   */
+  offer(enough, state) {
+    this.enough = enough;
+    byId("next-enough").hidden = enough === null;
+    if (enough) byId("next-enough").textContent = `Design with ${enoughWords(wider(enough, this.all), aboutOf(state))}`;
+  }
+}
+
+/** @param {number} value */
+function rounded(value) {
+  return Number(value.toPrecision(DIGITS));
+}
+
+/**
+ * A wider limit by its name; a wider range has both of its ends further out.
+ * @param {Enough} enough
+ * @param {Record<string, number>} limits
+ * @returns {Record<string, number>}
+ */
+export function wider({ limit, to }, { theta_min_rad, theta_max_rad }) {
+  return limit === "theta_max_rad" ? { theta_min_rad: theta_min_rad + theta_max_rad - to, theta_max_rad: to } : { [limit]: to };
+}
