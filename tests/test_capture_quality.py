@@ -135,8 +135,14 @@ def test_a_motor_that_is_off_is_not_called_clipped() -> None:
     assert recording(tau=np.maximum(recording().tau, 0.0)).findings == ()
 
 
-def test_dry_friction_alone_is_not_called_clipped() -> None:
-    assert recording(tau=0.02 * np.sign(np.cos(2.0 * np.pi * 1.5 * times()))).findings == ()
+def test_dry_friction_alone_is_not_called_clipped_but_computed() -> None:
+    torque = 0.02 * np.sign(np.cos(2.0 * np.pi * 1.5 * times()))
+    finding = only(recording(tau=torque))
+    assert (finding.kind, finding.severity) == ("few-values", "warning")
+    assert "2 values alone (-0.02, 0.02)" in finding.message
+    noise = 1e-5 * np.random.default_rng(2).standard_normal(N)
+    assert recording(tau=torque + noise).findings == ()
+    assert recording(tau=torque, torque_unit="V").findings == ()
 
 
 @pytest.mark.parametrize("name", ["theta", "omega", "alpha", "tau"])

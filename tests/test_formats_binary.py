@@ -91,10 +91,18 @@ def test_a_zip_that_inflates_beyond_the_limit_is_refused(tmp_path: Path) -> None
 
 
 def test_a_zip_without_arrays_is_refused(tmp_path: Path) -> None:
-    with zipfile.ZipFile(tmp_path / "book.xlsx", "w") as archive:
-        archive.writestr("xl/workbook.xml", "<workbook/>")
+    with zipfile.ZipFile(tmp_path / "run.zip", "w") as archive:
+        archive.writestr("run.csv", "t,theta,tau")
     with pytest.raises(InputError, match="without arrays"):
-        read_table(tmp_path / "book.xlsx")
+        read_table(tmp_path / "run.zip")
+
+
+@pytest.mark.parametrize("sheet", ["xl/worksheets/sheet1.xml", "content.xml"])
+def test_a_workbook_is_asked_for_as_text(tmp_path: Path, sheet: str) -> None:
+    with zipfile.ZipFile(tmp_path / "run.xlsx", "w") as archive:
+        archive.writestr(sheet, "<x/>")
+    with pytest.raises(InputError, match="save its sheet as CSV"):
+        load(tmp_path / "run.xlsx")
 
 
 @pytest.mark.parametrize("compressed", [False, True])

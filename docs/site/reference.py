@@ -44,7 +44,8 @@ def measured(words: list[str]) -> str:
 
 def exam(words: list[str]) -> str:
     """Return the part of the examination's figures that begins with a word; columns become a table."""
-    parts = measured(["Knobs with something hidden in them"]).strip("`\n").split("\n\n")
+    _, _, block = measured(["Knobs with something hidden in them"]).partition("```\n")
+    parts = block.strip("`\n").split("\n\n")
     head, *rows = next(part for part in parts if part.split()[0] == words[0]).splitlines()
     if "|" not in head:
         return "\n".join(["```text", *rows, "```"])

@@ -35,8 +35,9 @@ _OPTIONS = {
 }
 _READ = ("theta", "omega", "alpha", "tau")
 _BRIDGE = 3  # rows
-_EVEN = 0.1  # of a sampling interval, within which steps of the clock are whole numbers of them
-_MOSTLY = 0.9  # of the steps, that are one interval where a clock is even
+_EVEN = 0.05  # of a sampling interval, within which steps of the clock are whole numbers of them
+_ALL = 0.995  # of the steps, that are where a clock is even
+_MOSTLY = 0.9  # of them, that are one interval
 _NAMED = 6  # times in a sentence
 _PAPER_RATE_HZ = 5000.0
 
@@ -228,6 +229,14 @@ def _bridges(capture: Capture) -> BoolArray:
     return bridges
 
 
+def _ticks(capture: Capture, t: FloatArray) -> np.ndarray[Any, np.dtype[np.intp]] | None:
+    """Return the sampling intervals between kept samples, of times `t`, if all are whole ones; None otherwise."""
+    steps = np.diff(t) * capture.rate_hz
+    whole = np.rint(steps).astype(np.intp)
+    even = np.abs(steps - whole) < _EVEN
+    return whole if np.mean(even) >= _ALL and np.mean(even & (whole == 1)) >= _MOSTLY else None
+
+
 def _lost(
     capture: Capture, rows: np.ndarray[Any, np.dtype[np.intp]], t: FloatArray
 ) -> np.ndarray[Any, np.dtype[np.intp]]:
@@ -237,20 +246,22 @@ def _lost(
     through the filters as a straight line.
     """
     steps = np.diff(t) * capture.rate_hz
-    if np.max(steps, initial=0.0) < 1.5 or np.mean(np.abs(steps - 1.0) < _EVEN) < _MOSTLY:
+    ticks = _ticks(capture, t) if np.max(steps, initial=0.0) > 1.5 else None
+    if ticks is None:
         return np.zeros(0, dtype=np.intp)
-    whole = np.rint(steps).astype(np.intp)
     beyond = np.cumsum(capture.at_limit)[rows]
-    few = (whole > 1) & (whole <= _BRIDGE + 1) & (np.abs(steps - whole) < _EVEN) & (np.diff(beyond) == 0)
-    return np.repeat(np.flatnonzero(few) + 1, whole[few] - 1)
+    few = (ticks > 1) & (ticks <= _BRIDGE + 1) & (np.abs(steps - ticks) < _EVEN) & (np.diff(beyond) == 0)
+    return np.repeat(np.flatnonzero(few) + 1, ticks[few] - 1)
 
 
 def _gaps(capture: Capture, rows: np.ndarray[Any, np.dtype[np.intp]], t: FloatArray) -> BoolArray:
     """Return where samples are missing or masked just before a kept one, of times `t`."""
     gap = np.zeros(len(rows), dtype=bool)
+    if len(rows) < capture.samples:
+        gap[1:] = np.diff(rows) > 1
+        if gap.any() and (ticks := _ticks(capture, t)) is not None:
+            gap[1:] &= ticks != 1  # a row in which no time passed was no reading
     steps = np.diff(t)
-    if len(rows) < capture.samples:  # between masked rows no time may have passed that is not the next one's
-        gap[1:] = (np.diff(rows) > 1) & (np.abs(steps * capture.rate_hz - 1.0) > 0.5)
     if np.max(steps, initial=0.0) * capture.rate_hz > 1.5:
         # Half as long again as the longest ordinary step: jittery clocks have no gaps, lost samples do.
         at = len(steps) * 99 // 100
@@ -326,16 +337,11 @@ def _cut(capture: Capture, method: str, options: Mapping[str, float], core: _cor
     """What the torque has that its filter takes off."""
     if core.ripple is None or not core.lost:
         return []
-    _, hz, _ = core.ripple
     advice = Advice("log faster, or turn slower")
     if "torque_edge_hz" in options:
         advice = Advice("raise torque_edge_hz, or leave it out", "command")
     elif method == "paper":
         advice = Advice("prepare by 'smooth', whose edge goes up", "command")
-    elif core.incoherent is None and hz < core.rate_hz / 2.0 and (core.edge_hz or 0.0) < 0.39 * core.rate_hz:
-        advice = Advice(
-            "torque_edge_hz= raises it if this is the knob's: at one speed it may be a tone", "command"
-        )
     found = said(
         "{tau}: it has {waves}, and its filter's edge is at {edge:.4g} Hz: what lies beyond is not fitted",
         waves=waves(capture, core.ripple),

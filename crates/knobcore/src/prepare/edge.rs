@@ -30,8 +30,6 @@ const NEIGHBOURS: usize = 128;
 const SKIRT: usize = 32;
 /// Chance of a wave where there is none.
 const CHANCE: f64 = 1e-3;
-/// Speeds half of which are this near to the middle one, as a share of it, are one.
-const VARIES: f64 = 0.03;
 /// Less than this share of all that the filter takes off is not worth a wider one.
 const WORTH: f64 = 0.03;
 
@@ -44,8 +42,6 @@ pub struct Ripple {
     pub hz: f64,
     /// Its share of the variance of all that the filter takes off.
     pub share: f64,
-    /// Whether it goes with the position: at one speed it may as well be a tone of a drive or of the mains.
-    pub told: bool,
 }
 
 /// The edge of the torque's filter.
@@ -74,7 +70,7 @@ impl Edge {
         let columns = [&moving.theta, &moving.omega, recording.tau];
         let ripple = fastest(columns, recording.measured, stretches, filter);
         let most = HIGHEST * recording.rate_hz;
-        let Some(found) = ripple.filter(|ripple| follows && hz < most && ripple.told) else {
+        let Some(found) = ripple.filter(|_| follows && hz < most) else {
             return Self { hz, ripple, lost: ripple.is_some(), incoherent: None };
         };
         let wider = edge_for(found.hz, filter, hz, most);
@@ -146,16 +142,7 @@ fn fastest(
     let beyond = || highest(&spectrum[sampled..], square).map(|(at, share)| (sampled + at, share));
     let (at, share) = found.or_else(beyond)?;
     let per_turn = at as f64 * step;
-    Some(Ripple { per_turn, hz: per_turn * top / TAU, share, told: varies(&rows) })
-}
-
-/// Whether the speed, the first of each, is not the same all the time.
-fn varies(rows: &[[f64; 3]]) -> bool {
-    let mut speeds: Vec<f64> = rows.iter().map(|[speed, ..]| *speed).collect();
-    let middle = nth(&mut speeds, rows.len() / 2).unwrap_or(0.0);
-    speeds.iter_mut().for_each(|speed| *speed = (*speed - middle).abs());
-    // Of a spread by noise and by a start and an end the middle is the least.
-    nth(&mut speeds, rows.len() / 2).unwrap_or(0.0) > VARIES * middle
+    Some(Ripple { per_turn, hz: per_turn * top / TAU, share })
 }
 
 /// The last of squared sums that stands out of its neighbours and has a share of `square` that is worth it, and that
@@ -256,18 +243,6 @@ mod tests {
         for colour in [0.0, 0.9, 0.99] {
             assert_eq!(found(24.0, 0.0, 100.0, colour), None);
         }
-    }
-
-    #[test]
-    fn at_one_speed_a_wave_over_position_is_not_told_from_a_tone_and_raises_no_edge() {
-        let theta: Vec<f64> = (0..10_000).map(|i| f64::from(i) * 40.0 / RATE).collect();
-        let omega = vec![40.0; theta.len()];
-        let mut noise = Noise::new(4);
-        let tau: Vec<f64> = theta.iter().map(|theta| (24.0 * theta).sin() + noise.normal()).collect();
-        let counts = vec![true; theta.len()];
-        let ripple = fastest([&theta, &omega, &tau], &counts, &[0..theta.len()], &filter(100.0)).unwrap();
-        assert!(!ripple.told && (ripple.per_turn - 24.0).abs() < 0.1, "{ripple:?}");
-        assert!(found(24.0, 1.0, 100.0, 0.0).unwrap().told);
     }
 
     #[test]

@@ -41,6 +41,9 @@ def read_npz(path: Path, max_bytes: int) -> Table:
 
     with zipfile.ZipFile(path) as archive:
         members = [info for info in archive.infolist() if info.filename.endswith(".npy")]
+        sheets = [name for name in archive.namelist() if name.startswith("xl/") or name == "content.xml"]
+        if not members and sheets:
+            raise InputError(f"{path}: a workbook of a spreadsheet; save its sheet as CSV and give that")
         if not members:
             raise InputError(f"{path}: a zip file without arrays; unpack it and give the file inside")
         budget = Budget(str(path), path.stat().st_size, max_bytes)

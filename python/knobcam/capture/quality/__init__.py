@@ -17,7 +17,7 @@ from .garbage import check_garbage
 from .held import check_held, held
 from .late import check_late
 from .let_go import check_let_go
-from .motion import check_stuck, check_wrapped
+from .motion import check_few_values, check_stuck, check_wrapped
 from .ruled import Ruled
 from .scales import check_scales
 from .size import check_size
@@ -136,6 +136,8 @@ def _check(
     for name in ("theta", "omega", "alpha", "tau"):
         if name in present:
             ruled.lets(check_stuck(name, present[name], mask))
+    if not voltage and limit == "sensor":
+        ruled.lets(check_few_values(present["tau"], mask))
     ruled.lets(check_wrapped(present["theta"], mask, rows, coordinate))
     scaled, found = check_scales(present, mask, coordinate)
     present = scaled if ruled.lets(found) else present

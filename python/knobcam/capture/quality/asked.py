@@ -25,6 +25,7 @@ _MOST_LOST = (
     20  # rows at one place, beyond which the speed before says too little about where the angle would be
 )
 _BESIDE = 3  # steps to either side of some that are off, which make up for them where they can
+_ASYNCHRONOUS = 0.5  # rows that repeat and do not catch up, to each that seems lost
 _WHOLE = 0.15  # a step of lost rows is a whole number of steps, to this share of one
 
 
@@ -76,8 +77,11 @@ def check_asked(steps: Steady, rows: Rows, index: NDArray[np.intp]) -> Asked:
     lost, amiss = _lost(steps, steps.long & ~steps.stale & alone), np.zeros(len(off), dtype=np.bool_)
     net = np.convolve(off, np.ones(2 * REACH + 1), "same")
     lost[_caught_up(net, lost * steps.expected)] = 0
-    if (steps.stale & steps.clear & ~_caught_up(net, -steps.expected)).any():
+    idle = steps.stale & (steps.expected != 0.0) & ~_caught_up(net, -steps.expected)
+    if (idle & steps.clear).any():
         lost, amiss = _by_groups(steps)
+    elif idle.sum() >= _ASYNCHRONOUS * lost.sum():  # neither is clear
+        lost[:] = 0
     if not (lost.any() or amiss.any()):
         return Asked(index, lost, amiss, [])
     return Asked(index, lost, amiss, [_said(rows, index, lost, amiss)])

@@ -20,6 +20,8 @@ _WINDOWS_S = (0.005, 0.02, 0.08, 0.32)  # spans compared: short ones for fast mo
 _SLOWEST_S = 0.02  # between rows, for those spans
 _MIN_WINDOWS = 20
 _ALIKE = 0.5  # correlation over the longest spans, below which a column is no derivative of another
+_MANY = 1000  # samples, of which a sensor's differ
+_FEW_VALUES = 8
 _OTHER = 5.0  # times larger that its integral is: that of noise alone is not
 
 
@@ -42,6 +44,25 @@ def check_stuck(name: str, values: FloatArray, usable: BoolArray) -> list[Findin
         why=why,
     )
     return [Finding("stuck", name, len(held), (), found, "warning", advice)]
+
+
+def check_few_values(torque: FloatArray, usable: BoolArray) -> list[Finding]:
+    """Return a warning when a torque has a few values alone, as one that was asked for and not measured."""
+    held = torque[usable]
+    if len(held) < _MANY or len(np.unique(held[:_MANY])) > _FEW_VALUES:
+        return []
+    values = np.unique(held)
+    if not 1 < len(values) <= _FEW_VALUES:
+        return []
+    found = said(
+        "{tau}: has {count} values alone ({values}): it was computed or asked for, and is no measurement",
+        count=len(values),
+        values=", ".join(f"{value:.4g}" for value in values),
+    )
+    advice = Advice(
+        "map what was measured, or what a motor was given, as tau=... [A], [V] or [duty]", "columns"
+    )
+    return [Finding("few-values", "tau", len(held), (), found, "warning", advice)]
 
 
 def check_wrapped(theta: FloatArray, usable: BoolArray, rows: Rows, coordinate: Coordinate) -> list[Finding]:
