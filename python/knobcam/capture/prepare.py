@@ -230,7 +230,7 @@ def _bridges(capture: Capture) -> BoolArray:
 
 
 def _ticks(capture: Capture, t: FloatArray) -> np.ndarray[Any, np.dtype[np.intp]] | None:
-    """Return the sampling intervals between kept samples, of times `t`, if all are whole ones; None otherwise."""
+    """Return the sampling intervals between samples, of times `t`, where these are whole ones; else None."""
     steps = np.diff(t) * capture.rate_hz
     whole = np.rint(steps).astype(np.intp)
     even = np.abs(steps - whole) < _EVEN
