@@ -23,6 +23,7 @@ from command import knobcam, refused
 from small import recorded, rises
 
 import knobcam as kc
+from knobcam.base.ended import heard
 
 COUNT = 1200
 """Samples: few, as a batch is about many captures and not about long ones."""
@@ -153,6 +154,27 @@ def test_a_run_killed_in_its_midst_goes_on_and_ends_in_the_same_bytes(
     on = kc.batch(lot, tmp_path / "results", scheduler=scheduler)
     assert on.fresh < len(on.rows)
     assert bytes_of(tmp_path / "results") == bytes_of(done.folder)
+
+
+def test_an_interrupt_that_a_finaliser_swallows_is_raised_again_and_not_printed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    printed: list[object] = []
+    monkeypatch.setattr(sys, "unraisablehook", lambda ignored: printed.append(ignored.exc_type))
+
+    class Future:
+        def __del__(self) -> None:
+            signal.raise_signal(signal.SIGINT)
+
+    class Broken:
+        def __del__(self) -> None:
+            raise ValueError("said")
+
+    with heard() as check, pytest.raises(KeyboardInterrupt):
+        Future()
+        Broken()
+        check()
+    assert printed == [ValueError]
 
 
 def test_ctrl_c_keeps_what_is_done_and_a_killed_worker_costs_no_more_than_what_it_was_at(tmp_path: Path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -67,7 +68,8 @@ def by_exception() -> Iterator[None]:
 def heard() -> Iterator[Callable[[], None]]:
     """Give what raises the KeyboardInterrupt or `Ended` that was lost, for long work to call as it goes on.
 
-    Python prints and forgets what is raised in a finaliser, and libraries have some that run at any time.
+    Python prints and forgets what is raised in a finaliser, and libraries have some that run at any time. What
+    is raised again is not printed.
     """
     lost: list[BaseException] = []
     before = signal.getsignal(signal.SIGINT)
@@ -82,10 +84,19 @@ def heard() -> Iterator[Callable[[], None]]:
         for one in (*_asked[known:], *lost):
             raise one
 
+    printed = sys.unraisablehook
+
+    def unless_lost(ignored: sys.UnraisableHookArgs) -> None:
+        if not isinstance(ignored.exc_value, KeyboardInterrupt | Ended):
+            printed(ignored)
+
+    sys.unraisablehook = unless_lost
     if ours:
         signal.signal(signal.SIGINT, interrupt)
     try:
         yield check
     finally:
+        if sys.unraisablehook is unless_lost:
+            sys.unraisablehook = printed
         if ours:
             signal.signal(signal.SIGINT, before)
