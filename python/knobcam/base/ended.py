@@ -68,8 +68,8 @@ def by_exception() -> Iterator[None]:
 def heard() -> Iterator[Callable[[], None]]:
     """Give what raises the KeyboardInterrupt or `Ended` that was lost, for long work to call as it goes on.
 
-    Python prints and forgets what is raised in a finaliser, and libraries have some that run at any time. What
-    is raised again is not printed.
+    Python prints and forgets what is raised in a finaliser, and libraries have some that run at any time;
+    what is raised again is not printed.
     """
     lost: list[BaseException] = []
     before = signal.getsignal(signal.SIGINT)
