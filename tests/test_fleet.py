@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
 import errno
+import gc
 import json
 import os
 import shutil
@@ -24,6 +26,7 @@ from small import recorded, rises
 
 import knobcam as kc
 from knobcam.base.ended import heard
+from knobcam.fleet.cluster import workers
 
 COUNT = 1200
 """Samples: few, as a batch is about many captures and not about long ones."""
@@ -175,6 +178,24 @@ def test_an_interrupt_that_a_finaliser_swallows_is_raised_again_and_not_printed(
         Broken()
         check()
     assert printed == [ValueError]
+
+
+def test_a_wait_that_a_closing_loop_forgets_is_told_to_nobody(
+    scheduler: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    kept = []
+
+    async def wait() -> None:
+        kept.append(asyncio.get_running_loop().create_future())
+        kept[-1].set_exception(TimeoutError("Timeout"))
+
+    for address in (None, scheduler):
+        with workers(address) as client:
+            client.sync(wait)
+    assert len(kept) == 2
+    kept.clear()
+    gc.collect()
+    assert not [one for one in caplog.records if one.name == "asyncio"]
 
 
 def test_ctrl_c_keeps_what_is_done_and_a_killed_worker_costs_no_more_than_what_it_was_at(tmp_path: Path):

@@ -61,6 +61,7 @@ def workers(scheduler: str | None) -> Iterator[Any]:
         _quiet(),
         distributed.LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0", silence_logs=False) as cluster,
     ):
+        _unheard(cluster.loop)
         own = _started(cluster.scheduler_address, cores())
         try:
             with _client(distributed, cluster.scheduler_address) as client:
@@ -85,6 +86,14 @@ def _quiet() -> Iterator[None]:
     finally:
         for one, level in zip(loggers, levels, strict=True):
             one.setLevel(level)
+
+
+def _unheard(loop: Any) -> None:
+    """Let a loop of Dask's own thread tell nobody what it still waited for when it was stopped.
+
+    It is told when the wait is collected, which may be after the batch has ended.
+    """
+    loop.asyncio_loop.set_exception_handler(lambda _, __: None)
 
 
 def _of_dask(name: str) -> bool:
@@ -116,6 +125,7 @@ def _client(distributed: Any, address: str) -> Iterator[Any]:
             f"--scheduler {address}: no scheduler answers there ({type(error).__name__}); "
             "start one with: dask scheduler"
         ) from None
+    _unheard(client.loop)
     try:
         _wait(client, address)
         yield client
