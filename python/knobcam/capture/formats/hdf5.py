@@ -16,7 +16,7 @@ from ...base.optional import require
 from ...base.reading import open_file
 from ...errors import InputError
 from .inflate import Budget
-from .table import Table, add_array, check_width
+from .table import Table, add_array, check_width, stated_unit
 
 _DOCUMENT = "knobcam"
 
@@ -33,6 +33,7 @@ def read_hdf5(path: Path, max_bytes: int) -> Table:
     h5py = require("h5py", "a MATLAB 7.3 file")
     columns: dict[str, FloatArray] = {}
     broken: dict[str, str] = {}
+    units: dict[str, str] = {}
     budget = Budget(str(path), path.stat().st_size, max_bytes)
 
     def visit(name: str, item: Any) -> None:
@@ -56,7 +57,10 @@ def read_hdf5(path: Path, max_bytes: int) -> Table:
         if item.attrs.get("MATLAB_class", b"double") in (b"char", b"cell"):
             broken[label] = f"column {label} holds text or cells, not numbers; map another column"
         else:
+            there = set(columns)
             add_array(columns, broken, label, np.asarray(item[()]))
+            if (unit := stated_unit(item.attrs)) is not None:
+                units.update(dict.fromkeys(set(columns) - there, unit))
 
     _check_heaps(path)
     with h5py.File(path, "r") as file:
@@ -64,7 +68,8 @@ def read_hdf5(path: Path, max_bytes: int) -> Table:
         text = file.attrs.get(_DOCUMENT)
     document = json.loads(text) if isinstance(text, str) else None
     kind = "HDF5" if document else "MATLAB 7.3 .mat"
-    return Table(str(path), kind, columns, broken, document if isinstance(document, dict) else None)
+    document = document if isinstance(document, dict) else None
+    return Table(str(path), kind, columns, broken, document, units=units)
 
 
 def _check_heaps(path: Path) -> None:

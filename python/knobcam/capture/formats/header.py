@@ -87,13 +87,16 @@ class Label:
     joint: str | None = None
 
 
-def read_label(name: str) -> Label:
-    """Return what a column's name says; of a dotted one the last part, the others only what was asked for."""
+def read_label(name: str, stated: str | None = None) -> Label:
+    """Return what a column's name says; of a dotted one the last part, the others only what was asked for.
+
+    `stated` is the unit that the file says beside the name, for a name that says none.
+    """
     if len(name) > _LONGEST:
-        return Label(None)
+        return Label(None, stated)
     parents, _, last = name.rpartition(".") if name.replace(".", "").isidentifier() else ("", "", name)
     if parents and (one := re.fullmatch(r"c(\d{1,2})", last)):  # of a matrix, one column a joint
-        return replace(read_label(parents), joint=one[1])
+        return replace(read_label(parents, stated), joint=one[1])
     asked = bool(_ASKED_FOR & {word.lower() for word in words_of(parents)})
     text, unit = _bracketed(last)
     words = words_of(text)
@@ -108,6 +111,8 @@ def read_label(name: str) -> Label:
         if unit is not None and not label.plain:  # the `a` of `torque_a` is no ampere
             other = _labelled(words, None)
             label = label if other.quantity in (None, label.quantity) else other
+    if label.unit is None and stated is not None:
+        label = _labelled(words, stated)
     return replace(label, measured=label.measured and not asked)
 
 

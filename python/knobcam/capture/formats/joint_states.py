@@ -133,4 +133,4 @@ class JointStates:
             stamp="its stamp" if stamped else "when it was logged",
         )
         note = Finding("joint", "t", len(stamps), (), found, "note")
-        return Table(self.source, f"{kind}, {topic} {name}", columns, notes=(note, *notes))
+        return Table(self.source, f"{kind}, {topic} {name}", columns, si=True, notes=(note, *notes))

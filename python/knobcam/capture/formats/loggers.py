@@ -26,13 +26,15 @@ TABS = "CSV with tabs"
 class Logger:
     """A logger: which names are its own, and what a column with one of its endings holds.
 
-    `torque` is what it logs in place of a torque, when no column is one.
+    `torque` is what it logs in place of a torque, when no column is one; `si` says that what has no unit here
+    is in that of SI, whichever axis it is of.
     """
 
     name: str
     known: Callable[[set[str]], bool]
     endings: Mapping[str, Label]
     torque: Entry | None = None
+    si: bool = False
 
     def labels(self, names: Iterable[str]) -> dict[str, Label]:
         """Return what its columns hold; the others say nothing."""
@@ -133,6 +135,7 @@ LOGGERS = (
         "PlotJuggler",
         _by_places,
         {"__time": _is("t", "s"), **_STATE, "velocity": Label("omega", plain=True)},
+        si=True,
     ),
     Logger(
         "BAM",

@@ -67,13 +67,18 @@ def recognise(table: Table, coordinate: Coordinate | None) -> Recognised | None:
     if len(names) > _MOST_NAMES:
         return None
     logger = next((one for one in LOGGERS if one.known(set(names))), None)
-    labels = logger.labels(names) if logger else {name: read_label(name) for name in names}
+    labels = logger.labels(names) if logger else {name: _label(table, name) for name in names}
     entries, doubts = _chosen(table, {name: label for name, label in labels.items() if label.measured})
     if logger and logger.torque and "tau" not in entries and "duty" in table.columns:
         entries["tau"] = logger.torque
         del doubts["tau"]
     if not {"theta", "tau"} & set(entries):
         return None
+    if table.si or (logger and logger.si):
+        of_axis = SI[coordinate or "rotary"]
+        entries = {
+            target: Entry(one.expression, one.unit or of_axis[target]) for target, one in entries.items()
+        }
     doubts |= _clock(table, entries)
     silent = [name for name in table.columns if name not in labels or labels[name].quantity is None]
     if len(lacking := [one for one in _NEEDED if one not in entries]) == len(silent) == 1:
@@ -84,6 +89,11 @@ def recognise(table: Table, coordinate: Coordinate | None) -> Recognised | None:
     found = said("columns{of}: {taken}", of=f" of {logger.name}" if logger else "", taken=taken)
     advice = Advice("a map says otherwise", "columns")
     return Recognised(entries, Finding("columns", "theta", len(entries), (), found, "note", advice))
+
+
+def _label(table: Table, name: str) -> Label:
+    """Return what a name says, in the unit that the file states of it where it says none."""
+    return read_label(name, table.units.get(name))
 
 
 def _chosen(table: Table, labels: dict[str, Label]) -> tuple[dict[str, Entry], dict[str, str]]:
@@ -131,10 +141,10 @@ def by_content(table: Table) -> dict[str, Entry]:
     longest = max((column.size for column in table.columns.values()), default=0)
     names = [name for name, column in table.columns.items() if column.size == longest and longest > 1]
     names = names[:_MOST_NAMES]
-    clock = next((name for name in names if read_label(name).quantity == "t"), None)
+    clock = next((name for name in names if _label(table, name).quantity == "t"), None)
     clock = clock or next((name for name in names if _advances(table.columns[name])), None)
     others = [name for name in names if name != clock]
-    entries = {} if clock is None else {"t": Entry(f"`{clock}`", read_label(clock).unit)}
+    entries = {} if clock is None else {"t": Entry(f"`{clock}`", _label(table, clock).unit)}
     if {"x", "F"} <= set(others):
         return entries | {
             name: Entry(f"`{one}`", unit) for name, (one, unit) in _SLIDE.items() if one in others
@@ -147,12 +157,12 @@ def by_content(table: Table) -> dict[str, Entry]:
         )
         alike = others[:1] if pair is None else list(pair)
         theta = max(alike, key=lambda name: _rough(table.columns[name], 2))
-        entries["theta"] = Entry(f"`{theta}`", None)
+        entries["theta"] = Entry(f"`{theta}`", _label(table, theta).unit)
         others = [name for name in others if name not in alike]
     if others:
         # A position is the integral of what moves it: the torque is what changes most from row to row.
         torque = max(others, key=lambda name: _rough(table.columns[name]))
-        entries["tau"] = Entry(f"`{torque}`", read_label(torque).unit)
+        entries["tau"] = Entry(f"`{torque}`", _label(table, torque).unit)
     if "theta" in entries:
         far = float(np.ptp(np.nan_to_num(table.columns[entries["theta"].column]))) > _FAR
         if far or _counted(table, entries["theta"]):

@@ -61,7 +61,7 @@ def resolve(table: Table, column_map: ColumnMap | None, coordinate: Coordinate |
         raise InputError(f"coordinate={coordinate!r} is unknown; choose rotary or linear")
     notes: tuple[Finding, ...] = ()
     if column_map is not None:
-        entries, notes = _by_map(table, parse_map(column_map))
+        entries, notes = _by_map(table, parse_map(column_map), coordinate)
     elif (found := _by_contract(table, coordinate)) is not None:
         entries, coordinate = found
     else:
@@ -107,7 +107,9 @@ def _without_unit(table: Table, entry: Entry) -> Entry:
     return entry
 
 
-def _by_map(table: Table, entries: dict[str, Entry]) -> tuple[dict[str, Entry], tuple[Finding, ...]]:
+def _by_map(
+    table: Table, entries: dict[str, Entry], coordinate: Coordinate | None
+) -> tuple[dict[str, Entry], tuple[Finding, ...]]:
     """Return the entries of a map with the units that its columns say of themselves, and a note of these.
 
     A bare column called `pos_deg` is in degrees whatever a map leaves out, and a name with a unit in brackets
@@ -121,11 +123,13 @@ def _by_map(table: Table, entries: dict[str, Entry]) -> tuple[dict[str, Entry], 
             entry = Entry(f"`{whole}`", None)
         elif not entry.plain or entry.column not in table.columns:
             entry = _without_unit(table, entry)
-        unit = _unit_of(entry.column) if entry.plain and entry.unit is None else None
+        unit = _unit_of(table, entry.column) if entry.plain and entry.unit is None else None
+        if entry.plain and entry.unit is None and table.si:
+            unit = SI[coordinate or "rotary"][target]
         known[target] = Entry(entry.expression, unit) if unit and fits(target, unit) else entry
     taken, foreign = [], []
     for target, entry in known.items():
-        if entry.unit is None and entry.plain and is_unit(_unit_of(entry.column) or ""):
+        if entry.unit is None and entry.plain and is_unit(_unit_of(table, entry.column) or ""):
             foreign.append((target, entry.column))
         if entry.unit is None or entries[target].unit is not None:
             continue
@@ -134,7 +138,12 @@ def _by_map(table: Table, entries: dict[str, Entry]) -> tuple[dict[str, Entry], 
             taken.append(f"{target} = {entry.column} [{entry.unit}]")
     notes = []
     if taken:
-        found = said("columns: {taken}, as their names say", taken=", ".join(taken))
+        beside = any(entries[target].column in table.units for target in known)
+        found = said(
+            "columns: {taken}, as {what}",
+            taken=", ".join(taken),
+            what="the file says" if beside else "their names say",
+        )
         advice = Advice("a unit in the map says otherwise", "columns")
         notes.append(Finding("columns", "theta", len(taken), (), found, "note", advice))
     for target, column in foreign:
@@ -146,10 +155,14 @@ def _by_map(table: Table, entries: dict[str, Entry]) -> tuple[dict[str, Entry], 
     return known, tuple(notes)
 
 
-def _unit_of(column: str) -> str | None:
-    """Return the unit that a name says: one that headers have, or whatever stands in brackets behind it."""
+def _unit_of(table: Table, column: str) -> str | None:
+    """Return the unit that a name says: one that headers have, or whatever stands in brackets behind it.
+
+    Else that which the file states beside the name.
+    """
     behind = _IN_BRACKETS.search(column)
-    return read_label(column).unit or (behind and (behind[1] or behind[2])) or None
+    said = read_label(column).unit or (behind and (behind[1] or behind[2]))
+    return said or table.units.get(column)
 
 
 def _by_contract(table: Table, coordinate: Coordinate | None) -> tuple[dict[str, Entry], Coordinate] | None:

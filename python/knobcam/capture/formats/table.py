@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ...base.arrays import BoolArray, FloatArray
 from ...errors import InputError
 from ..finding import Finding
+from .units import is_unit, spelled_out
 
 DEFAULT_MAX_BYTES = 4 * 2**30
 """Largest file, and largest inflated content, that is read without being asked to (bytes)."""
@@ -27,9 +28,11 @@ class Table:
     """Named columns as they stand in a file, each float64 of shape (rows,), or () for a scalar.
 
     Columns may differ in length: only those that a capture uses have to agree. `broken` holds, by column,
-    why it cannot be used, so that a text column nobody asks for does no harm. `document` and `mask` are
-    there when knobcam wrote the file. A recording of a rig says more of itself: where it came
-    from (`meta`), by column of a capture the samples at a limit of the sensor, and what else is to be known.
+    why it cannot be used, so that a text column nobody asks for does no harm. `units` has, by column, the
+    unit that the file states beside the name, as a map would have it; `si` says that its format has all in
+    SI, as messages of ROS (REP 103). `document` and `mask` are there when knobcam wrote the file. A recording
+    of a rig says more of itself: where it came from (`meta`), by column of a capture the samples at a limit
+    of the sensor, and what else is to be known.
     """
 
     source: str
@@ -41,6 +44,8 @@ class Table:
     meta: Mapping[str, Any] | None = None
     limits: Mapping[str, BoolArray] = field(default_factory=dict)
     notes: tuple[Finding, ...] = ()
+    units: Mapping[str, str] = field(default_factory=dict)
+    si: bool = False
 
     def __post_init__(self) -> None:
         check_width(self.source, len(self.columns) + len(self.broken))
@@ -92,6 +97,16 @@ def add_array(columns: dict[str, FloatArray], broken: dict[str, str], name: str,
         broken[label] = (
             f"{label} has {array.ndim} axes {array.shape}; save it as a matrix of samples x columns"
         )
+
+
+def stated_unit(attributes: Mapping[Any, Any]) -> str | None:
+    """Return the unit that a column's attributes state, as a map would have it; None where there is none."""
+    for key in ("units", "unit", b"units", b"unit"):
+        said = attributes.get(key)
+        text = said.decode(errors="replace") if isinstance(said, bytes) else said
+        if isinstance(text, str) and (unit := spelled_out(text) or (text if is_unit(text) else None)):
+            return unit
+    return None
 
 
 def _kind_in_words(array: NDArray[Any]) -> str:
