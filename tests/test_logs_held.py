@@ -306,3 +306,24 @@ def test_a_torque_that_changes_fast_while_the_knob_sticks_was_measured() -> None
     counts = np.round(theta / 1.5e-3) * 1.5e-3
     log = kc.Capture.from_arrays(t=t, theta=counts, tau=tau)
     assert not [one for one in log.findings if one.column == "tau" and one.severity == "masked"]
+
+
+def test_noise_that_grows_with_the_torque_is_no_garbage() -> None:
+    """As of a current that is measured: a part of the torque where that is large, next to none elsewhere."""
+    sprung = knob("turns", ("return_spring",), 30.0).capture
+    columns = {name: values.copy() for name, values in sprung.items()}
+    tau, rng = columns["tau_Nm"], np.random.default_rng(4)
+    at = np.argmax(np.abs(tau[2000:28_000])) + 2000
+    tau[at : at + 90] += 0.1 * np.std(tau) * rng.standard_normal(90)
+    assert not [one for one in capture(columns).findings if one.kind == "spike"]
+
+
+def test_a_loop_that_chatters_is_no_garbage() -> None:
+    """A controller that makes its torque of the velocity, six rows a swing: the motion has it too."""
+    columns = {name: values.copy() for name, values in knob("hand").capture.items()}
+    rng, many = np.random.default_rng(5), 60
+    loud = 9000 + np.arange(many)
+    swing = 0.1 * np.sin(2.0 * np.pi * np.arange(many) / 6.0 + 0.3 * rng.standard_normal(many).cumsum())
+    columns["tau_Nm"][loud] += swing
+    columns["omega_rad_s"][loud - 1] += 0.15 * swing
+    assert not [one for one in capture(columns).findings if one.kind == "spike"]

@@ -28,6 +28,10 @@ _MOST = 0.05  # of the rows: beyond that it is the torque that is like that
 _RUNS = 20
 _FELT = (2.0, 24.0)  # times its usual noise that a motion sensor has meanwhile, which then felt it,
 # and as many more over the rows: of few the noise is not well known
+_PART = 0.2  # of the torque's deviation in the log: noise that is less may have grown with the torque
+_LAGS = 3  # rows by which what a loop makes of the motion may stand before or after it
+_FOLLOWED = 24  # rows from which so many lags say whether it does: of fewer they follow anything
+_FOLLOWS = 0.6  # of its variance: what is anything reaches 0.35
 _CHANCE = 1e-9  # that a torque repeats itself that often somewhere in the log
 _LEAP = 8.0  # deviations of noise by which it leaps to where it stands, and away
 
@@ -37,8 +41,9 @@ def check_garbage(
 ) -> tuple[BoolArray, list[Finding]]:
     """Return the rows whose torque is garbage for a while, and the findings.
 
-    Louder than its noise by far from row to row, with a motion that feels nothing of it; or the same reading
-    again and again, far from those before and after, of a sensor that else never repeats itself so often.
+    Louder than its noise by far from row to row, a good part of what it is anywhere, with a motion that feels
+    nothing of it; or the same reading again and again, far from those before and after, of a sensor that else
+    never repeats itself so often.
     """
     bad = np.zeros(len(rows), dtype=np.bool_)
     index = np.flatnonzero(usable)
@@ -101,9 +106,13 @@ def _loud(columns: dict[str, FloatArray], index: IntArray, noise: float) -> Bool
     noisy = [run for run in noisy if _LONG <= run[-1] - run[0] < _LONGEST]
     if len(noisy) > _RUNS:
         return loud
+    least = _PART * float(np.std(tau))
     for run in noisy:
         first, end = max(0, int(run[0]) - _SPAN // 2 - 1), min(len(tau), int(run[-1]) + _SPAN // 2 + 2)
-        if _to_and_fro(tau[first:end]) and not _felt(columns, index, first, end):
+        readings = tau[first:end]
+        if _noise(readings) < least or not _to_and_fro(readings):
+            continue
+        if not _felt(columns, index, first, end) and not _follows(columns, index, first, end):
             loud[first:end] = True
     return loud
 
@@ -124,6 +133,26 @@ def _felt(columns: dict[str, FloatArray], index: IntArray, first: int, end: int)
             usual, here = _noise(columns[name][index]), _noise(columns[name][index[first:end]])
             if here > (_FELT[0] + _FELT[1] / (end - first)) * usual:
                 return True
+    return False
+
+
+def _follows(columns: dict[str, FloatArray], index: IntArray, first: int, end: int) -> bool:
+    """Whether the torque of these rows is made of the motion around them, as by a loop that chatters."""
+    rows = np.arange(max(first, _LAGS), min(end, len(index) - _LAGS))
+    if len(rows) < _FOLLOWED:
+        return False
+    tau = columns["tau"][index[rows]]
+    for name in ("alpha", "omega", "theta"):
+        if name not in columns:
+            continue
+        motion = columns[name][index]
+        motion = np.gradient(motion) if name == "theta" else motion
+        lagged = [motion[rows + lag] for lag in range(-_LAGS, _LAGS + 1)]
+        around = np.column_stack([*lagged, np.ones(len(rows))])
+        rest = tau - around @ np.linalg.lstsq(around, tau, rcond=None)[0]
+        left = float(rest @ rest) / (len(rows) - around.shape[1])
+        if left < (1.0 - _FOLLOWS) * float(np.var(tau, ddof=1)):
+            return True
     return False
 
 
