@@ -109,3 +109,19 @@ def test_of_a_joint_that_is_held_it_is_said_that_it_does_not_move() -> None:
     """A stalled motor of a test bench: its angle is noise, so that no sample has a known direction."""
     with pytest.raises(kc.InputError, match="its direction is not known anywhere, as it moves too little"):
         kc.fit(capture(1e-5 * normal(5), 0.3 * np.sin(T) + 0.01 * normal(6)))
+
+
+@pytest.mark.parametrize("late_s", [-0.002, 0.0, 0.001, 0.002])
+def test_a_torque_that_is_computed_of_an_angle_a_moment_ago_is_of_no_other_sign(late_s: float) -> None:
+    """Gravity that a controller makes up for, while a hand moves the arm: all of it is of position.
+
+    Read a little late that gives power back, which was "the torque has the other sign".
+    """
+    theta, omega, alpha = swung(1.6, 0.23, 0.41)
+    before = theta - late_s * omega + 0.5 * late_s**2 * alpha
+    fit = kc.fit(kc.Capture.from_arrays(t=T, theta=theta + 1e-5 * normal(1), tau=3.3 * np.sin(before)))
+    assert fit.log_fault is None
+    rubs = 0.05 * np.sign(omega) + 0.2 * omega + 0.03 * alpha
+    tau = -(3.3 * np.sin(before) + rubs + 1e-3 * normal(2))
+    fit = kc.fit(kc.Capture.from_arrays(t=T, theta=theta + 1e-5 * normal(1), tau=tau))
+    assert fit.log_fault is not None and "other sign" in fit.log_fault

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from ..capture.prepare import Prepared
 
 _EVERY_S = 0.002  # between the rows that are looked at
+_LATE_S = 0.002  # by which drives and hosts log a torque late or early; a row where that is longer
 _FEWEST = 500
 _PLACES = 200  # of the map of position, with straight lines between
 _SURE = 8.0  # standard errors
@@ -23,17 +24,28 @@ def gives_back(prepared: Sequence[Prepared]) -> bool:
     """Return whether inertia and friction are negative, beyond doubt, beside any torque of position.
 
     Of a knob that is passive neither is, and no torque of position, however strong, can make them so over a
-    motion that comes by the same places at unlike speeds.
+    motion that comes by the same places at unlike speeds. But one that is read a little late or early can, as
+    what a controller computes of an angle that it read before: so they have to be negative either way.
     """
     return all(_gives_back(one) for one in prepared)
 
 
 def _gives_back(one: Prepared) -> bool:
+    late = max(1, round(_LATE_S * one.core.rate_hz))
+    # What a delay adds is in proportion to it: between the two ends nothing else is said.
+    return all(_negative(one, shift) for shift in (0, late, -late))
+
+
+def _negative(one: Prepared, shift: int) -> bool:
+    """Whether inertia and friction take less than nothing of the torque `shift` rows after the motion."""
     every = max(1, round(_EVERY_S * one.core.rate_hz))
-    rows = np.flatnonzero(one.used)[::every]
+    last = len(one.used) - max(shift, 0)
+    rows = np.arange(max(-shift, 0), last)
+    rows = rows[one.used[rows] & one.used[rows + shift]][::every]
     if len(rows) < _FEWEST:
         return False
-    theta, omega, alpha, tau = (getattr(one, name)[rows] for name in ("theta", "omega", "alpha", "tau"))
+    theta, omega, alpha = (getattr(one, name)[rows] for name in ("theta", "omega", "alpha"))
+    tau = one.tau[rows + shift]
     at = (theta - theta.min()) / max(float(np.ptp(theta)), 1e-12) * _PLACES
     place: FloatArray = np.maximum(0.0, 1.0 - np.abs(at[:, None] - np.arange(_PLACES + 1)))
     columns = np.column_stack([alpha, np.sign(omega), omega, place])
