@@ -64,9 +64,13 @@ impl Effect<2> for Saturation {
         limits.into_iter().map(|limit| [limit, 0.02 * limit]).collect()
     }
 
-    /// No sensor reads beyond its limit. Beside another effect a limit can hide that one's misfit; readings that repeat at it
-    /// are the proof.
-    fn implausible(&[limit, _]: &[f64; 2], context: &Context) -> Vec<String> {
+    /// No sensor reads beyond its limit, nor has it noise of all that it reads: that takes its share of every torque, and
+    /// the others grow to make up for it. Beside another effect a limit can hide that one's misfit; readings that repeat
+    /// at it are the proof.
+    fn implausible(&[limit, noise]: &[f64; 2], context: &Context) -> Vec<String> {
+        if noise > limit {
+            return vec!["it cuts more noise than it has range: no sensor reads so".into()];
+        }
         let most = BEYOND * limit + SURE * context.noise_floor.max(0.0);
         let beyond = context.torque.iter().filter(|torque| torque.abs() > most).count();
         if beyond as f64 > OFTEN * context.torque.len() as f64 {
@@ -125,6 +129,16 @@ mod tests {
         for (tau, reads) in [(0.1, 0.1), (0.3, 0.18), (-0.3, -0.18)] {
             assert!((read(tau, 0.0) - reads).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn noise_beyond_its_range_takes_a_share_of_every_torque_and_is_no_limit() {
+        let share = |tau: f64| read(tau, 30.0 * 0.18) / tau;
+        assert!((share(0.01) / share(0.17) - 1.0).abs() < 1e-3);
+        let said = |noise: f64| {
+            Saturation::implausible(&[0.18, noise], &Context { first: true, ..Context::default() }).len()
+        };
+        assert_eq!([said(0.0), said(0.17), said(0.19)], [0, 0, 1]);
     }
 
     #[test]
