@@ -98,6 +98,7 @@ def named(ladder: list[LearningStep], left: Any, base: tuple[str, ...] = BASE) -
 
 def test_what_came_in_is_named_and_what_is_left_is_said(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(selection, "width", lambda fit: None)
+    monkeypatch.setattr(selection, "at_bounds", lambda fit: {})
     done, open_ = comparison(True), comparison(False, split("velocity", 0.3), split("time", 0.2))
     ladder = climbed(("stribeck", 1.5), ("quadratic_drag", 1.0))
     assert named(ladder, done) == (("stribeck", "quadratic_drag"), None)
@@ -105,6 +106,11 @@ def test_what_came_in_is_named_and_what_is_left_is_said(monkeypatch: pytest.Monk
     # What is left has its axis; of what came in only what took off the most part of it is named then.
     found, left = named(climbed(("stribeck", 3.0), ("quadratic_drag", 2.9)), open_)
     assert found == ("stribeck",) and left == Unexplained("velocity", 0.3, "worst at there")
+    # What ended at a bound stands in for something else, and is not named.
+    monkeypatch.setattr(selection, "at_bounds", lambda fit: {"stribeck.speed": 1e-3})
+    assert named(climbed(("stribeck", 3.0), ("quadratic_drag", 2.9)), open_)[0] == ()
+    assert named(climbed(("stribeck", 3.0)), done)[0] == ("stribeck",)
+    monkeypatch.setattr(selection, "at_bounds", lambda fit: {})
     nowhere = comparison(False, split("velocity", 0.05), split("time", 0.02))
     assert named(climbed(("stribeck", 3.0)), nowhere)[1].hint == "it shows on no axis alone"
     rhythm = comparison(False, split("frequency", 0.3), split("time", 0.2))

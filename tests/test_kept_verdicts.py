@@ -79,6 +79,7 @@ def test_of_what_a_ladder_says_in_the_end(monkeypatch: pytest.MonkeyPatch) -> No
     maps = ("return_spring", "position_polynomial")
     monkeypatch.setattr(selection, "_is_map", lambda effect, _: effect in maps)
     monkeypatch.setattr(selection, "width", lambda fit: fit.wide)
+    monkeypatch.setattr(selection, "at_bounds", lambda fit: {})
     for at in range(150):
         fit = whole(rng)
         ladder = [LearningStep(fit)]

@@ -138,21 +138,28 @@ def _back_emf(fit: Fit) -> list[str]:
     return [f"{' and '.join(names)} {what}: {way} part them"]
 
 
-def _at_bounds(fit: Fit) -> list[str]:
-    """What is said of parameters that the search ended at; at a neutral bound there is just none of it.
+def at_bounds(fit: Fit) -> dict[str, float]:
+    """Return the parameters that the search ended at a bound of; at a neutral one there is just none of it.
 
     At the bounds of a share there is none or all of it.
     """
     catalogue = fit.model.catalogue()
-    found = []
+    found = {}
     for name, estimate in fit.params.items():
         effect, own = name.split(".", 1)
         row = catalogue[effect].parameter(own)
         bounds = {row.lower, row.upper}
         for bound in bounds - (_SHARE if bounds == _SHARE else {row.neutral}):
             if estimate.determined and math.isclose(estimate.value, bound, rel_tol=1e-6):
-                found.append(f"{name} is at its bound, {bound:g}: it stands in for something else")
+                found[name] = bound
     return found
+
+
+def _at_bounds(fit: Fit) -> list[str]:
+    return [
+        f"{name} is at its bound, {bound:g}: it stands in for something else"
+        for name, bound in at_bounds(fit).items()
+    ]
 
 
 def _moves_like_a_spring(signals: Prepared) -> bool:

@@ -10,6 +10,7 @@ from ..base.said import said
 from ..capture.prepare import travel
 from ..fit.absent import absent
 from ..fit.diagnose import Candidate, Diagnosis, diagnose, worth_adding
+from ..fit.doubts import at_bounds
 from ..fit.plausible import columns_at_fault
 from ..fit.refit import converged, drop, gain, needed, needless, with_clipped
 from ..fit.rule import RULE
@@ -177,7 +178,9 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
         # What is wrong is the log, not the knob.
         return Selection(tuple(ladder), (), last, Unexplained("load", 1.0, fault))
     unexplained = None if within_law(ladder[-1].fit) else _unexplained(last.comparison)
-    mainly = {step.added for step in ladder if _mainly(step)}
+    # What ended at a bound stands in for something else, however much it took off.
+    stands_in = {name.split(".", 1)[0] for name in at_bounds(ladder[-1].fit)}
+    mainly = {step.added for step in ladder if _mainly(step)} - stands_in
     # Torques of position alone: two of them together draw nearly any map, so together they name no cause.
     maps = [one for one in found if _is_map(one, ladder[-1].fit)]
     if len(maps) > 1:
