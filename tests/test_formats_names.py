@@ -342,6 +342,21 @@ def test_a_log_without_an_angle_is_told_how_to_make_one_of_its_speed(tmp_path: P
     assert np.ptp(made.theta) == pytest.approx(np.ptp(THETA), rel=0.01)
 
 
+@pytest.mark.parametrize(
+    ("unit", "times"),
+    [("rpm", 30.0 / np.pi), ("deg/s", 180.0 / np.pi), ("rad/s", 1.0), ("rev/s", 0.5 / np.pi)],
+)
+def test_the_angle_that_it_is_told_to_make_is_one(tmp_path: Path, unit: str, times: float) -> None:
+    """A map with a unit within the sum was proposed, and refused."""
+    path = log(tmp_path, f"t,motor speed ({unit}),tau", T, times * OMEGA, TAU)
+    with pytest.raises(InputError) as asked:
+        kc.load(path)
+    told = re.search(r"without an angle (.*), RATE in Hz", str(asked.value))
+    assert told is not None
+    made = kc.load(path, map=f"t=t, theta={told[1].replace('RATE', '500')}, tau=tau")
+    assert np.ptp(made.theta) == pytest.approx(np.ptp(THETA), rel=0.01)
+
+
 def test_a_column_may_be_named_without_the_unit_in_its_name(tmp_path: Path) -> None:
     path = log(tmp_path, "time [s],a1 position [deg],a1 torque (mNm),b torque (Nm)", T, THETA, TAU, TAU)
     whole = kc.load(path, map="t=`time [s]`, theta=`a1 position [deg]`, tau=`a1 torque (mNm)`")

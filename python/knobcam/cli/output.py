@@ -92,4 +92,7 @@ def about(*paths: str) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        raise InputError(f"{', '.join(paths)}: {error}") from error
+        said = str(error)
+        if any(said.startswith(f"{one}: ") for path in paths for one in (path, Path(path).name)):
+            raise  # the library knew
+        raise InputError(f"{', '.join(paths)}: {said}") from error

@@ -235,7 +235,7 @@ def ask(table: Table, why: str, entries: dict[str, Entry]) -> InputError:
         name = parts["tau"][0]
         notes.append(f"tau: in N m, or {name} [A] of a current, {name} [V] of a voltage")
     if "theta" not in entries and "omega" in entries:
-        notes.append(f"theta: of a log without an angle cumsum({parts['omega'][0]})/RATE, RATE in Hz")
+        notes.append(f"theta: of a log without an angle {_summed(entries['omega'])}, RATE in Hz")
     constants = "; ".join(notes)
     # A shell runs what stands between backquotes, but not within single quotes.
     mark = "'" if "`" in shown and "'" not in shown else '"'
@@ -254,6 +254,15 @@ def _mapped(entry: Entry) -> tuple[str, str]:
         note = f"{PLACEHOLDER}: the number in a turn, as in {text}/8192 [turn]"
         return f"{text}/{PLACEHOLDER} [turn]", note
     return text if entry.unit is None else f"{text} [{entry.unit}]", ""
+
+
+def _summed(omega: Entry) -> str:
+    """Return what a map makes an angle with, of a velocity; a unit stands behind the whole expression."""
+    name, unit = _mapped(Entry(omega.expression, None))[0], omega.unit or ""
+    if unit == "rpm":
+        return f"cumsum({name})/60/RATE [turn]"
+    length = unit.removesuffix("/s")
+    return f"cumsum({name})/RATE" + ("" if unit in ("", "rad/s") or length == unit else f" [{length}]")
 
 
 def _taken(target: str, entry: Entry, coordinate: Coordinate | None) -> str:
