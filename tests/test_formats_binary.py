@@ -92,7 +92,7 @@ def test_a_zip_that_inflates_beyond_the_limit_is_refused(tmp_path: Path) -> None
 
 def test_a_zip_without_arrays_is_refused(tmp_path: Path) -> None:
     with zipfile.ZipFile(tmp_path / "run.zip", "w") as archive:
-        archive.writestr("run.csv", "t,theta,tau")
+        archive.mkdir("empty")
     with pytest.raises(InputError, match="without arrays"):
         read_table(tmp_path / "run.zip")
 
@@ -142,11 +142,20 @@ def test_files_that_matlab_wrote_hold_what_scipy_reads() -> None:
     assert compared >= 10
 
 
-def test_an_array_of_structs_is_explained(tmp_path: Path) -> None:
-    runs = np.zeros((1, 2), dtype=[("q", object)])
-    scipy.io.savemat(tmp_path / "run.mat", {"runs": runs})
-    with pytest.raises(InputError, match="runs holds an array of 2 structs"):
-        load(tmp_path / "run.mat", map="t=runs, theta=runs, tau=runs")
+def test_the_structs_of_an_array_are_read_each_by_its_number(tmp_path: Path) -> None:
+    """Trials of one experiment are kept so; they were refused, as "an array of 2 structs"."""
+    trials = np.zeros((1, 2), dtype=[("t", object), ("q", object), ("tau", object)])
+    for number, size in enumerate((1.0, 0.5)):
+        trials[0, number] = (T, size * THETA, size * TAU)
+    scipy.io.savemat(tmp_path / "run.mat", {"trials": trials, "one": trials[:, :1]})
+    table = read_table(tmp_path / "run.mat")
+    np.testing.assert_array_equal(table.columns["trials.s2.q"], 0.5 * THETA)
+    np.testing.assert_array_equal(table.columns["one.q"], THETA)
+    second = load(tmp_path / "run.mat", map="t=trials.s2.t, theta=trials.s2.q, tau=trials.s2.tau")
+    np.testing.assert_array_equal(second.tau, 0.5 * TAU)
+    scipy.io.savemat(tmp_path / "many.mat", {"runs": np.zeros((1, 2000), dtype=[("q", object)])})
+    with pytest.raises(InputError, match="runs holds an array of 2000 structs"):
+        load(tmp_path / "many.mat", map="t=runs, theta=runs, tau=runs")
 
 
 def test_matlab_columns_of_different_length_are_named(tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import stat
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import IO, Any, cast
+from typing import IO, Any
 
 from ...base.arrays import BoolArray, FloatArray
 from ...base.reading import look, open_file
@@ -97,11 +97,12 @@ def _head(path: Path) -> bytes:
 def _read(path: Path, head: bytes, max_bytes: int, joint: str | None) -> Table:
     # A file loads its own reader and no other: they are half the start of a process together.
     budget = inflate.Budget(str(path), path.stat().st_size, max_bytes)
-    if head.startswith(magic.GZIP):
-        import gzip
+    if head.startswith((*magic.PACKED, magic.ZIP)):
+        from . import packed
 
-        with open_file(path) as file, gzip.GzipFile(fileobj=file) as stream:
-            return _read_text("CSV gzip", cast("IO[bytes]", stream), budget, joint)
+        if packed.is_packed(path, head):
+            with packed.unpacked(path, head) as (kind, stream):
+                return _read_text(kind, stream, budget, joint)
     if magic.is_json(head):
         with open_file(path) as file:
             return _read_text("CSV", file, budget, joint)
@@ -109,8 +110,8 @@ def _read(path: Path, head: bytes, max_bytes: int, joint: str | None) -> Table:
         from . import rosbag
 
         return rosbag.read_bag(str(path), [path], max_bytes, joint)
-    if head.startswith(magic.ROS1):
-        raise InputError(f"{path}: a bag of ROS 1; convert it to ROS 2, for example with rosbags-convert")
+    if (other := magic.not_read(head)) is not None:
+        raise InputError(f"{path}: {other}")
     if (binary := _binary(path, head, max_bytes)) is not None:
         return of_one(binary, joint)
     with open_file(path) as file:

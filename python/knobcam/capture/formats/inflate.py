@@ -108,7 +108,7 @@ def _pieces(stream: IO[bytes], budget: Budget, size: int = _READ) -> Iterator[by
     except (zlib.error, gzip.BadGzipFile) as error:
         raise InputError(f"{budget.source}: damaged gzip ({error}); copy the file again") from error
     except EOFError:
-        raise InputError(f"{budget.source}: the gzip file ends in the middle; copy the file again") from None
+        raise InputError(f"{budget.source}: packed, and it ends in the middle; copy it again") from None
 
 
 def unpack(packer: zlib._Decompress, raw: bytes | memoryview, at: int, budget: Budget) -> tuple[bytes, int]:

@@ -3,18 +3,56 @@
 from __future__ import annotations
 
 import re
+import struct
 
 GZIP = b"\x1f\x8b"
+XZ = b"\xfd7zXZ\x00"
+PACKED = (GZIP, XZ, *(b"BZh%d1AY&SY" % level for level in range(1, 10)))  # the last of bzip2
 NPY = b"\x93NUMPY"
 ZIP = b"PK\x03\x04"
 MATLAB = b"MATLAB 5.0 MAT-file"
 PARQUET = b"PAR1"
 MCAP = b"\x89MCAP0\r\n"
 SQLITE = b"SQLite format 3\0"
-ROS1 = b"#ROSBAG V"
+_NOT_READ = {
+    b"#ROSBAG V": "a bag of ROS 1; convert it to ROS 2, for example with rosbags-convert",
+    b"TDSm": "a TDMS file of LabVIEW; export it as CSV, or save it as HDF5 or Parquet",
+    b"MDF     ": "a measurement in MDF; export it as CSV or Parquet, for example with asammdf",
+    b"UnFinMF ": "a measurement in MDF that was not finished; export it as CSV or Parquet with asammdf",
+    b"ARROW1": "an Arrow or Feather file; save it as Parquet",
+    b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1": "an old workbook of a spreadsheet; save its sheet as CSV",
+    b"\x28\xb5\x2f\xfd": "packed by zstd; unpack it and give the file inside",
+    b"7z\xbc\xaf\x27\x1c": "a 7z archive; unpack it and give the file inside",
+    b"Rar!\x1a": "a rar archive; unpack it and give the file inside",
+} | dict.fromkeys(
+    (b"\x80\x02", b"\x80\x03", b"\x80\x04", b"\x80\x05"),
+    "a pickle, which is never read; save its numbers as .npz or CSV",
+)
+"""What is known and not read, by how it begins: what it is, and the way out."""
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 _USER_BLOCK = 512  # bytes of text that MATLAB puts before the HDF5 content
+_MAT4 = struct.Struct("<5I")  # its kind, rows, columns, whether complex, letters of the name and a zero
+_MAT4_KINDS = {"<": range(0, 60, 10), ">": range(1000, 1060, 10)}  # full matrices, by the order of bytes
 _JSON = re.compile(rb"\s*(\{|\[\s*[\[{])")
+
+
+def not_read(head: bytes) -> str | None:
+    """Return what a file is that is known and not read, and the way out; None for any other."""
+    known = next((said for begin, said in _NOT_READ.items() if head.startswith(begin)), None)
+    return "a .mat of MATLAB version 4; save it anew with -v7" if known is None and _is_mat4(head) else known
+
+
+def _is_mat4(head: bytes) -> bool:
+    """Whether a file begins with a variable of MATLAB version 4: five whole numbers, then its name."""
+    for order in ("<", ">"):
+        if len(head) < _MAT4.size:
+            return False
+        kind, rows, columns, imaginary, letters = struct.unpack(order + _MAT4.format[1:], head[: _MAT4.size])
+        sizes = 0 < rows < 2**31 and 0 < columns < 2**31 and imaginary in (0, 1) and 1 < letters < 64
+        if sizes and kind in _MAT4_KINDS[order]:
+            name = head[_MAT4.size : _MAT4.size + letters]
+            return name.endswith(b"\0") and name[:-1].isalnum()
+    return False
 
 
 def is_bag(head: bytes) -> bool:

@@ -1,4 +1,4 @@
-"""MATLAB .mat version 5. Structs become dotted names.
+"""MATLAB .mat version 5. Structs become dotted names, those of an array with `s1`, `s2`, ... in them.
 
 The reader follows "MAT-File Format" (MathWorks 2024), chapter 1, section and table names as there. It is
 written here because scipy.io.loadmat ends the process on some damaged files, which an importer may not.
@@ -29,6 +29,7 @@ _INT32, _UINT32, _MATRIX, _COMPRESSED = 5, 6, 14, 15  # data types, Table 1-1
 _CELL, _STRUCT, _OBJECT, _CHAR, _SPARSE = range(1, 6)  # array types, Table 1-3; numbers are 6 to 15
 _NUMBERS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
 _TEXTS = {4: "utf-16", 17: "utf-16", 18: "utf-32"}  # data types of characters; the others hold bytes
+_MOST_STRUCTS = 1000  # of an array: runs or joints of a log are fewer
 _KINDS = {_CHAR: "text", _CELL: "cells", _SPARSE: "a sparse matrix"}
 
 
@@ -92,12 +93,15 @@ class _Reader:
         if parent:
             next(parts)
         count = math.prod(shape)
-        if kind == _STRUCT and count == 1:
-            width = int(self.numbers(next(parts))[0])
+        if kind == _STRUCT and 0 < count <= _MOST_STRUCTS:
+            width = max(1, int(self.numbers(next(parts))[0]))
             names = bytes(next(parts).data)
-            for start in range(0, len(names), max(width, 1)):
-                field = names[start : start + width].partition(b"\0")[0].decode("utf-8", "replace")
-                self.matrix(next(parts).data, f"{label}.{field}")
+            starts = range(0, len(names), width)
+            fields = [names[at : at + width].partition(b"\0")[0].decode("utf-8", "replace") for at in starts]
+            for number in range(1, count + 1):  # MATLAB counts from 1
+                one = label if count == 1 else f"{label}.s{number}"
+                for field in fields:
+                    self.matrix(next(parts).data, f"{one}.{field}")
         elif kind == _CELL and count == 1:  # how some exporters wrap a signal
             self.matrix(next(parts).data, label)
         elif kind == _CHAR and label == _DOCUMENT:
