@@ -14,6 +14,7 @@ from ..finding import Finding
 from .columnmap import TARGETS, ColumnMap, Entry, parse_map
 from .expression import evaluate
 from .header import read_label
+from .merged import at_one_time
 from .recognise import PLACEHOLDER, ask, by_content, recognise
 from .table import Table
 from .units import GIVEN, SI, Coordinate, fits, is_unit, to_si
@@ -93,7 +94,8 @@ def resolve(table: Table, column_map: ColumnMap | None, coordinate: Coordinate |
             )
         columns[target] = values if factor == 1.0 else values * factor
     _check_lengths(table, columns, entries)
-    return Resolved(columns, coordinate or "rotary", entries, torque_unit, notes)
+    columns, merged = at_one_time(columns)
+    return Resolved(columns, coordinate or "rotary", entries, torque_unit, (*notes, *merged))
 
 
 def _without_unit(table: Table, entry: Entry) -> Entry:

@@ -40,8 +40,8 @@ def read_text(kind: str, stream: IO[bytes], budget: Budget) -> Table:
 
     Titles may stand above it, in lines of other widths; units in a line below the header, names at each
     number; dates and times of the day become s.
-    A blank cell is NaN; blank cells down to the last row end the column early. Row numbers in messages count
-    the rows of data, from 1. The text is read twice, and never held.
+    A blank cell is NaN; blank cells down to the last row, and nowhere else, end the column early. Row numbers
+    in messages count the rows of data, from 1. The text is read twice, and never held.
     """
     source = budget.source
     head = peek(stream, _HEAD, budget)
@@ -277,7 +277,9 @@ def _cell_by_cell(
     columns = {}
     for index, name in enumerate(names):
         if name not in broken:
-            columns[name] = matrix[: max(last[index], whole) or row, index]
+            column = matrix[: max(last[index], whole) or row, index]
+            # What has blanks before its end is as long as the table, and blank there too.
+            columns[name] = matrix[:, index] if np.isnan(column).any() else column
     return columns, broken
 
 
