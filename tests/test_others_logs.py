@@ -125,3 +125,33 @@ def test_a_torque_that_is_computed_of_an_angle_a_moment_ago_is_of_no_other_sign(
     tau = -(3.3 * np.sin(before) + rubs + 1e-3 * normal(2))
     fit = kc.fit(kc.Capture.from_arrays(t=T, theta=theta + 1e-5 * normal(1), tau=tau))
     assert fit.log_fault is not None and "other sign" in fit.log_fault
+
+
+def steps(rest_s: float) -> kc.Capture:
+    """A motor that is sent from place to place at 1 kHz: brisk starts, and a slow end of each.
+
+    Velocity and current are read with noise; an inertia of 0.016 kg m^2, friction of 0.2 N m.
+    """
+    t = np.arange(8_000) / 1e3
+    since = t % 1.0 - rest_s
+    fast = np.where(since > 0.0, (1.0 - np.exp(-since / 0.006)) * np.exp(-since / 0.08), 0.0)
+    omega = 12.0 * fast * (np.abs(fast) > 2e-3)
+    rng = np.random.default_rng(9)
+    tau = 0.016 * np.gradient(omega, t) + 0.2 * np.sign(omega) + 0.02 * rng.standard_normal(len(t))
+    theta = np.cumsum(omega) / 1e3
+    noisy = omega + 0.04 * rng.standard_normal(len(t))
+    counts = 2.0 * np.pi / 2**15
+    return kc.Capture.from_arrays(t=t, theta=np.round(theta / counts) * counts, omega=noisy, tau=tau)
+
+
+def test_starts_from_rest_that_do_not_count_are_said_to_be_lost() -> None:
+    """Nine tenths of the torque was in rows that nobody knew of, and the inertia a thirtieth of itself."""
+    fit = kc.fit(steps(0.5))
+    (said,) = [one for one in fit.warnings if "rows that do not count" in one]
+    assert "--prepare paper" in said
+    told = kc.fit(steps(0.5), prepare="paper")
+    assert told.params["inertia.M"].value == pytest.approx(0.016, rel=0.1)
+    assert not [one for one in told.warnings if "do not count" in one]
+    theta, omega, alpha = swung(1.6, 0.23, 0.41)
+    moved = kc.fit(capture(theta, 0.016 * alpha + 0.2 * np.sign(omega) + 0.02 * normal(4)))
+    assert not [one for one in moved.warnings if "do not count" in one]

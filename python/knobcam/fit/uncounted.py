@@ -1,0 +1,38 @@
+"""Whether what a motion shows most of is in rows that do not count, as at every start from rest."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ..capture.prepare import Prepared
+
+_MOVING = 0.02  # of the fastest: what is slower is at rest
+_MOST = 0.9  # of the squared torque: a servo that creeps for most of a run has 0.8
+
+
+def uncounted(prepared: Sequence[Prepared]) -> str | None:
+    """Return that most of the torque of a motion is in rows that do not count; None where it is not.
+
+    Where nobody knows which way a knob at rest is about to go, neither does a model within the reach of the
+    filter: starts that are shorter than that are lost, and with them what tells of inertia.
+    """
+    counted = whole = 0.0
+    for one in prepared:
+        known = one.capture.mask[one.rows] & np.isfinite(one.tau) & np.isfinite(one.omega)
+        moves = known & (np.abs(one.omega) > _MOVING * np.max(np.abs(one.omega[known]), initial=0.0))
+        squares = np.square(one.tau - (np.mean(one.tau[moves]) if moves.any() else 0.0))
+        whole += float(np.sum(squares[moves]))
+        counted += float(np.sum(squares[moves & one.used]))
+    if whole == 0.0 or counted > (1.0 - _MOST) * whole:
+        return None
+    share = 100.0 * (1.0 - counted / whole)
+    return (
+        f"{share:.0f} % of the torque of the motion, by its squares, is in rows that do not count, as starts "
+        "from rest, where its direction is not known within the reach of the filter: what they tell is not "
+        "in the values; turn slowly between them, or prepare it with --prepare paper"
+    )
