@@ -155,3 +155,14 @@ def test_starts_from_rest_that_do_not_count_are_said_to_be_lost() -> None:
     theta, omega, alpha = swung(1.6, 0.23, 0.41)
     moved = kc.fit(capture(theta, 0.016 * alpha + 0.2 * np.sign(omega) + 0.02 * normal(4)))
     assert not [one for one in moved.warnings if "do not count" in one]
+
+
+def test_a_torque_that_returns_once_a_turn_is_gravity_and_no_detent() -> None:
+    """A hand leads an arm whose controller makes up for gravity: a sinusoid of 0.998 turns was a detent."""
+    theta, omega, alpha = swung(1.6, 0.23, 0.41, 0.9)
+    theta = theta - 1.0
+    tau = 3.3 * np.sin(theta) + 0.01 * np.sin(2.0 * theta + 0.5) + 4e-3 * normal(2)
+    assert kc.learn(capture(theta, tau)).found[:1] == ("unbalance",)
+    twice = 3.3 * np.sin(2.0 * theta) + 0.02 * alpha + 0.1 * np.sign(omega) + 4e-3 * normal(2)
+    two = kc.learn(capture(theta, twice))
+    assert two.fit.params["detent.P"].value == pytest.approx(0.5, rel=0.01)

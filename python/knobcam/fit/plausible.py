@@ -10,7 +10,7 @@ import numpy as np
 from .. import _core
 from ..base.arrays import FloatArray
 from ..base.said import Advice, OfColumn, OfEffect, OfParam, Said, joined, number, said
-from ..model.effects import base_effects, effects
+from ..model.effects import base_effects, base_effects_shown, effects
 from .power import gives_back
 from .refit import cores
 from .rule import RULE
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 _FAULTS = ("unit", "sign", "contradiction", "swapped")
 """Findings with which, unless they were mended, no model of a log is one of the knob."""
 
+_ONCE = 1.5  # detents a turn, of which a whole number that is not one is two at least
 _ASTRAY = 0.2  # of an angle's readings that contradict the others, from which on it is no angle of one motion
 _STRAIGHT = 1e-3
 """A position this near to a straight line over time, of its range, has one velocity."""
@@ -41,6 +42,7 @@ def implausible(candidate: Candidate, before: Fit) -> tuple[Said, ...]:
     clipped = any(finding.kind == "clipped" for one in fit.prepared for finding in one.capture.findings)
     own = _core.implausible(cores(fit), fit.core, candidate.effect, clipped, before.before is None)
     return (
+        *_once_a_turn(candidate.effect, fit),
         *_out_of_range(candidate.effect, fit),
         *_below_zero(candidate, before),
         *_pushed_out(candidate, before),
@@ -253,6 +255,17 @@ def _below_zero(candidate: Candidate, before: Fit) -> list[Said]:
                 said("beside it {param} = {what}, which no knob has", param=OfParam(name), what=what)
             )
     return found
+
+
+def _once_a_turn(effect: str, fit: Fit) -> list[Said]:
+    """Return that detents return once a turn or less: of whole numbers in a turn that is gravity's own."""
+    period, rotary = fit.model.period, fit.model.coordinate == "rotary"
+    if not rotary or period is None or effect not in base_effects_shown(fit.model.coordinate):
+        return []
+    times = 1.0 / abs(period)
+    if times > _ONCE:
+        return []
+    return [said(f"it returns {times:.2g} times a turn, as an unbalance does and no detents do")]
 
 
 def torque_of(fit: Fit, name: str) -> float:
