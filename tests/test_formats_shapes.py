@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from datetime import datetime, timedelta
 from pathlib import Path
 
 import numpy as np
@@ -83,6 +84,28 @@ def test_dates_and_times_of_the_day_are_seconds(tmp_path: Path, zone: str) -> No
         lambda t, theta, tau: f"{stamps[t][11:]},{theta:.6f},{tau:.6f}",
     )
     assert close(kc.load(daily))
+
+
+@pytest.mark.parametrize(
+    ("form", "decimal"),
+    [("%d.%m.%Y %H:%M:%S.%f", ","), ("%m/%d/%Y %I:%M:%S.%f %p", "."), ("%d/%m/%Y %H:%M:%S.%f", ".")],
+)
+def test_dates_as_spreadsheets_write_them_are_seconds(tmp_path: Path, form: str, decimal: str) -> None:
+    """Through midnight, and the noon of a clock of twelve hours."""
+    for hour in (23, 11):
+        start = datetime(2025, 3, 30, hour, 59, 59)  # noqa: DTZ001 - a machine's clock has no zone
+
+        def row(t: float, theta: float, tau: float, start: datetime = start) -> str:
+            stamp = (start + timedelta(seconds=t)).strftime(form)
+            day, _, clock = stamp.partition(" ")
+            return f"{day} " + f"{clock};{theta:.6f};{tau:.6f}".replace(".", decimal)
+
+        assert close(kc.load(written(tmp_path / "dated.csv", ["time;position;torque"], row)))
+    no_day = written(
+        tmp_path / "no.csv", ["time,position,torque"], lambda t, q, u: f"31.02.2025 1:02:03,{q},{u}"
+    )
+    with pytest.raises(InputError, match="is not a number"):
+        kc.load(no_day)
 
 
 @pytest.mark.parametrize("name", ["id", "motor_id", "Joint ID", "canId", "servo_no"])

@@ -109,6 +109,11 @@ def test_of_a_joint_that_is_held_it_is_said_that_it_does_not_move() -> None:
     """A stalled motor of a test bench: its angle is noise, so that no sample has a known direction."""
     with pytest.raises(kc.InputError, match="its direction is not known anywhere, as it moves too little"):
         kc.fit(capture(1e-5 * normal(5), 0.3 * np.sin(T) + 0.01 * normal(6)))
+    # One jerk of it is not much of a motion either, and "mask less" no way out.
+    jerk = 0.5 * np.tanh((T - 15.0) / 0.02)
+    held = kc.Capture.from_arrays(t=T, theta=jerk + 1e-4 * normal(5), tau=0.3 * np.sin(T) + 0.01 * normal(6))
+    with pytest.raises(kc.InputError, match=r"\d rows nobody knows which way it goes, as of what is held"):
+        kc.fit(held)
 
 
 @pytest.mark.parametrize("late_s", [-0.002, 0.0, 0.001, 0.002])

@@ -32,6 +32,7 @@ from .doubts import doubts
 from .estimate import Z95, Constants, Estimate
 from .origin import with_origin
 from .plausible import columns_at_fault, impossible, log_fault, one_velocity
+from .uncounted import at_rest
 from .zeros import aligned
 
 if TYPE_CHECKING:
@@ -391,6 +392,6 @@ def as_logged(
         core = _core.fit([s.core for s in signals], start.core, model is None and detents == "auto")
     except InputError as error:
         # What is wrong may be why there is too little.
-        why = (str(error), columns_at_fault(signals) or one_velocity(signals))
+        why = (str(error), columns_at_fault(signals) or one_velocity(signals) or at_rest(signals))
         raise InputError("; ".join(filter(None, why))) from None
     return Fit(signals, core)

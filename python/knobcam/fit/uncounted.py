@@ -12,7 +12,20 @@ if TYPE_CHECKING:
     from ..capture.prepare import Prepared
 
 _MOVING = 0.02  # of the fastest: what is slower is at rest
+_HARDLY = 0.02  # of the rows
 _MOST = 0.9  # of the squared torque: a servo that creeps for most of a run has 0.8
+
+
+def at_rest(prepared: Sequence[Prepared]) -> str | None:
+    """Return that hardly a row counts, though nothing is wrong with them; None where it is not so."""
+    known = sum(int(one.capture.mask[one.rows].sum()) for one in prepared)
+    counted = sum(int(one.used.sum()) for one in prepared)
+    if not 0 < counted <= _HARDLY * known:  # where none does the core says so
+        return None
+    return (
+        f"in {known - counted} of {known} rows nobody knows which way it goes, as of what is held or stands "
+        "still; record a motion"
+    )
 
 
 def uncounted(prepared: Sequence[Prepared]) -> str | None:

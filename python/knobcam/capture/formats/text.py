@@ -9,7 +9,7 @@ import re
 from array import array
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
-from datetime import UTC, datetime
+from datetime import UTC, date, datetime
 from itertools import islice
 from typing import IO, Any, TextIO
 
@@ -32,7 +32,9 @@ _SIDEWAYS = 10  # times as many columns as rows, from which on a table lies on i
 _HEAD = 4096
 _UTF16 = (b"\xff\xfe", b"\xfe\xff")
 _NAME = re.compile(r"[A-Za-z_]\w*:")
-_CLOCK = re.compile(r"(\d{1,2}):(\d{2}):(\d{2}(?:\.\d+)?)")
+_DATE = r"(\d{1,2})([./])(\d{1,2})\2(\d{4})[ T]+"
+_CLOCK = re.compile(rf"(?:{_DATE})?(\d{{1,2}}):(\d{{2}}):(\d{{2}}(?:\.\d+)?)(?: ?([AP])M)?", re.IGNORECASE)
+_YEAR_1970 = date(1970, 1, 1).toordinal()
 
 
 def read_text(kind: str, stream: IO[bytes], budget: Budget) -> Table:
@@ -196,8 +198,17 @@ def _named_each(cells: list[str]) -> list[str] | None:
 def _moment(cell: str) -> float | None:
     """Return the seconds since 1970 of a date with its time, those of a time of the day; None of others."""
     if found := _CLOCK.fullmatch(cell):
-        hours, minutes, seconds = map(float, found.groups())
-        return 3600.0 * hours + 60.0 * minutes + seconds
+        first, sign, second, year, hours, minutes, seconds, half = found.groups()
+        hour = float(hours) if half is None else float(hours) % 12.0 + (12.0 if half in "pP" else 0.0)
+        clock = 3600.0 * hour + 60.0 * float(minutes) + float(seconds)
+        if year is None:
+            return clock
+        # With dots the day stands first, with strokes the month, unless there are not so many.
+        day, month = (first, second) if sign == "." or int(first) > 12 else (second, first)
+        try:
+            return 86400.0 * (date(int(year), int(month), int(day)).toordinal() - _YEAR_1970) + clock
+        except ValueError:
+            return None
     try:
         moment = datetime.fromisoformat(cell) if ":" in cell else None
     except ValueError:
