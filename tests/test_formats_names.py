@@ -334,6 +334,13 @@ def test_the_letters_of_a_slide_are_asked_for_as_such(tmp_path: Path) -> None:
     assert "t=t, theta=x [m], omega=v [m/s], alpha=a [m/s^2], tau=F [N]" in str(asked.value)
 
 
+def test_a_clock_that_no_name_tells_is_in_the_map_that_is_shown(tmp_path: Path) -> None:
+    path = log(tmp_path, "Zeit,position,Drehmoment", 1e3 * T, THETA, TAU)
+    with pytest.raises(InputError) as asked:
+        kc.load(path)
+    assert '--map "t=Zeit [ms], theta=position, tau=Drehmoment"' in str(asked.value)
+
+
 def test_a_log_without_an_angle_is_told_how_to_make_one_of_its_speed(tmp_path: Path) -> None:
     path = log(tmp_path, "t,motor_speed,tau", T, OMEGA, TAU)
     with pytest.raises(InputError, match=re.escape("cumsum(motor_speed)/RATE, RATE in Hz")):

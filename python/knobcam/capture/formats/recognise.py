@@ -79,8 +79,13 @@ def recognise(table: Table, coordinate: Coordinate | None) -> Recognised | None:
         entries = {
             target: Entry(one.expression, one.unit or of_axis[target]) for target, one in entries.items()
         }
-    doubts |= _clock(table, entries)
     silent = [name for name in table.columns if name not in labels or labels[name].quantity is None]
+    if doubts and "t" not in entries:  # for the map that is shown
+        clock = next((name for name in silent if _advances(table.columns[name])), None)
+        if clock is not None:
+            entries["t"] = Entry(f"`{clock}`", None)
+            silent.remove(clock)
+    doubts |= _clock(table, entries)
     if len(lacking := [one for one in _NEEDED if one not in entries]) == len(silent) == 1:
         entries[lacking[0]] = Entry(f"`{silent[0]}`", None)
     if doubts:
@@ -171,6 +176,8 @@ def by_content(table: Table) -> dict[str, Entry]:
 
 
 def _advances(column: FloatArray) -> bool:
+    if column.size < 2:
+        return False
     with np.errstate(all="ignore"):
         steps = np.diff(column)
         return bool(np.all(steps > 0.0) and np.std(steps) < np.mean(steps))
