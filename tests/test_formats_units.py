@@ -53,6 +53,33 @@ def test_a_pound_of_mass_is_told_from_one_of_force(tmp_path: Path) -> None:
         refused(result, "write lbf for lb and kgf for kg")
 
 
+@pytest.mark.parametrize(
+    ("name", "parts", "unit"),
+    [
+        ("torque [%]", 100, "N m"),
+        ("torque_permille", 1000, "N m"),
+        ("current [%]", 100, "A"),
+        ("torque (‰)", 1000, "N m"),
+    ],
+)
+def test_a_torque_in_parts_of_the_rated_one_is_no_duty_cycle(
+    tmp_path: Path, name: str, parts: int, unit: str
+) -> None:
+    """A map that named the column was taken for a share of the supply, or for N m, without a word."""
+    path = log(tmp_path, f"time,angle [rad],{name}", T, THETA, parts * TAU / 2.4)
+    with pytest.raises(kc.InputError, match="in parts of what the drive is rated for") as asked:
+        kc.load(path)
+    quoted = name if name.isidentifier() else f"`{name}`"
+    told = f"tau={quoted}/{parts}*RATED [{unit}]"
+    assert told in str(asked.value)
+    with pytest.raises(kc.InputError, match=r"is in parts .*\*RATED"):
+        kc.load(path, map=f"t=time, theta=`angle [rad]`, tau={quoted}")
+    made = kc.load(path, map=f"t=time, theta=`angle [rad]`, {told.replace('RATED', '2.4')}")
+    np.testing.assert_allclose(made.tau, TAU, atol=1e-9)
+    duty = kc.load(path, map=f"t=time, theta=`angle [rad]`, tau={quoted} [%]")
+    assert duty.torque_unit == "duty"
+
+
 def test_a_map_takes_the_unit_that_stands_in_a_name_and_says_where_it_could_not(tmp_path: Path) -> None:
     """A name in inches was taken for radians, without a word."""
     path = log(tmp_path, "time,q [grad],pull [lb],push [raw]", T, THETA / (np.pi / 200.0), TAU, TAU)

@@ -69,6 +69,8 @@ _UNIT_OF = {
 _QUANTITY = {unit: quantity for quantity, units in _UNIT_OF.items() for unit in units}
 
 
+_PARTS = {"%": 100, "percent": 100, "pct": 100, "‰": 1000, "permille": 1000, "promille": 1000}
+
 _LONGEST = 200  # letters of a name; what damaged a file makes names of 10^5, which patterns take minutes for
 
 
@@ -116,6 +118,16 @@ def read_label(name: str, stated: str | None = None) -> Label:
     return replace(label, measured=label.measured and not asked)
 
 
+def parts_in(name: str) -> int | None:
+    """Return how many parts make a whole where a name says parts of one: 100 of %, 1000 of ‰; else None.
+
+    Drives log torque and current so (IEC 61800-7-201, objects 6077 and 6078), of what they are rated for.
+    """
+    if len(name) > _LONGEST or read_label(name).quantity not in ("tau", "current"):
+        return None
+    return next((parts for word in words_of(name) if (parts := _PARTS.get(word.lower())) is not None), None)
+
+
 def _labelled(words: list[str], unit: str | None) -> Label:
     lower, joint = _numbered([word.lower() for word in words])
     if len(lower) > 1 and lower[0] == "current" and len(lower[1]) > 2 and (lower[1],) in _HEADS:
@@ -158,7 +170,7 @@ def _bracketed(name: str) -> tuple[str, str | None]:
 def words_of(text: str) -> list[str]:
     """Split at signs, blanks and humps, but not inside a unit such as mNm."""
     found: list[str] = []
-    for part in re.findall(r"[^\W_]+|[°%]", text):
+    for part in re.findall(r"[^\W_]+|[°%‰]", text):
         whole = part.lower() in ("mnm", "ncm", "knm", "unm") or (part.lower(),) in _HEADS
         found += [part] if whole else re.split(r"(?<=[a-z0-9])(?=[A-Z][a-z])|(?<=[a-z]{2})(?=[A-Z]{2})", part)
     return found

@@ -13,7 +13,7 @@ from ...base.said import Advice, said
 from ...errors import InputError
 from ..finding import Finding
 from .columnmap import TARGETS, Entry
-from .header import Label, read_label
+from .header import Label, parts_in, read_label
 from .loggers import LOGGERS, simplefoc
 from .table import Table
 from .units import COUNTS, GIVEN, SI, Coordinate
@@ -121,6 +121,8 @@ def _chosen(table: Table, labels: dict[str, Label]) -> tuple[dict[str, Entry], d
         entries[target] = Entry(f"`{name}`", labels[name].unit or _UNIT_ALONE.get(quantity))
         if len(found) > 1 and (target != "t" or len(plain) != 1):  # beside the time there may be a loop's
             doubts[target] = f"{_listed(found)} could each be {target}"
+        elif target == "tau" and parts_in(name) is not None:
+            doubts[target] = f"{name!r} is in parts of what the drive is rated for"
         elif quantity == "current" and labels[name].unit is None:
             doubts[target] = f"no torque; {name} is a current that says no unit"
         elif quantity in _UNIT_ALONE and quantity != "current":
@@ -238,7 +240,7 @@ def ask(table: Table, why: str, entries: dict[str, Entry]) -> InputError:
     shown = ", ".join(f"{target}={parts[target][0]}" for target in TARGETS if target in parts)
     rate = "" if "t" in entries else " --rate HZ"
     notes = [constant for _, constant in parts.values() if constant]
-    if "tau" in entries and entries["tau"].unit is None:
+    if "tau" in entries and entries["tau"].unit is None and not parts["tau"][1]:
         name = parts["tau"][0]
         notes.append(f"tau: in N m, or {name} [A] of a current, {name} [V] of a voltage")
     if "theta" not in entries and "omega" in entries:
@@ -260,6 +262,10 @@ def _mapped(entry: Entry) -> tuple[str, str]:
     if entry.unit == COUNTS:
         note = f"{PLACEHOLDER}: the number in a turn, as in {text}/8192 [turn]"
         return f"{text}/{PLACEHOLDER} [turn]", note
+    parts = parts_in(name) if entry.plain else None
+    if parts is not None:
+        unit = "A" if read_label(name).quantity == "current" else "N m"
+        return f"{text}/{parts}*RATED [{unit}]", f"RATED: what the drive is rated for, in {unit}"
     return text if entry.unit is None else f"{text} [{entry.unit}]", ""
 
 

@@ -13,7 +13,7 @@ from ...errors import InputError
 from ..finding import Finding
 from .columnmap import TARGETS, ColumnMap, Entry, parse_map
 from .expression import evaluate
-from .header import read_label
+from .header import parts_in, read_label
 from .merged import at_one_time
 from .recognise import PLACEHOLDER, ask, by_content, recognise
 from .table import Table
@@ -125,6 +125,12 @@ def _by_map(
             entry = Entry(f"`{whole}`", None)
         elif not entry.plain or entry.column not in table.columns:
             entry = _without_unit(table, entry)
+        parts = parts_in(entry.column) if target == "tau" and entry.plain and entry.unit is None else None
+        if parts is not None:
+            raise InputError(
+                f"map: {entry.column} is in parts of what the drive is rated for; make it a torque, as in "
+                f"tau={entry.expression}/{parts}*RATED [N m] with that in N m, or say [%] of a duty cycle"
+            )
         unit = _unit_of(table, entry.column) if entry.plain and entry.unit is None else None
         if entry.plain and entry.unit is None and table.si:
             unit = SI[coordinate or "rotary"][target]
