@@ -19,6 +19,7 @@ UNITS = [
     (0.0985, "tens"),
     (-1.0, "sign"),
     (3.3, "check the units"),
+    (50.0, "one side of the gear"),  # near the degrees of a radian, and none
 ]
 
 

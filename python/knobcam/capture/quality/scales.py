@@ -15,6 +15,11 @@ from .motion import ratio
 AGREEMENT = (0.8, 1.25)
 """Ratio of a derivative's column to the derivative of theta that passes as the same unit."""
 
+_NAMED = (0.92, 1.09)
+"""The same within which a unit is named: nearer than a gear of 50 is to the degrees of a radian."""
+
+_GEARS = (1.25, 400.0)  # of a speed of the motor beside the angle of the joint
+
 _ORDERS = {"omega": 1, "alpha": 2}
 _DERIVATIVES = {"omega": "d {theta}/dt", "alpha": "d2 {theta}/dt2"}
 _CLOCKS = {1e3: "ms", 1e6: "us"}
@@ -142,7 +147,7 @@ def _swapped(columns: dict[str, FloatArray], now: _Sizes, usable: BoolArray) -> 
 def _likely(
     size: Said, name: str, times: float, coordinate: Coordinate, *, theta_too: bool = True
 ) -> tuple[Said, Advice | None]:
-    """Return a size with the unit that would explain it, within the agreement that passes as equal.
+    """Return a size with the unit that would explain it, where that is near.
 
     Where none does, return it with the advice to look.
     """
@@ -159,8 +164,10 @@ def _likely(
         if theta_too
     ]
     factor, reason = min(known, key=lambda pair: abs(math.log(pair[0] / times)))
-    if not AGREEMENT[0] <= times / factor <= AGREEMENT[1]:
-        return size, Advice("check the units in the map", "unit")
+    if not _NAMED[0] <= times / factor <= _NAMED[1]:
+        gear = _GEARS[0] < times < _GEARS[1]
+        side = ", or take both from one side of the gear" if gear else ""
+        return size, Advice(f"check the units in the map{side}", "unit")
     else_ = said(" (or {t} is not in s)") if theta_too else ""
     return said(
         "{size}: near {factor:.4g}, so {reason}{or_}", size=size, factor=factor, reason=reason, or_=else_
