@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy import signal  # type: ignore[import-untyped]
 
 import knobcam as kc
+from knobcam.fit.coarse import within_rounding
 from knobcam.model.effects import effects
 
 RATE_HZ = 200.0
@@ -130,6 +131,21 @@ def test_a_torque_that_is_computed_of_an_angle_a_moment_ago_is_of_no_other_sign(
     tau = -(3.3 * np.sin(before) + rubs + 1e-3 * normal(2))
     fit = kc.fit(kc.Capture.from_arrays(t=T, theta=theta + 1e-5 * normal(1), tau=tau))
     assert fit.log_fault is not None and "other sign" in fit.log_fault
+
+
+def test_what_a_coarse_torque_was_rounded_by_is_no_missing_effect() -> None:
+    """Readings in steps that are wide beside their noise: "something is missing", along the load."""
+    theta, omega, alpha = swung(1.6, 0.23, 0.41)
+    tau = 0.02 * alpha + 0.3 * np.sign(omega) + 0.05 * omega + 2e-3 * normal(4)
+    for step_nm, told in ((0.04, True), (1e-3, False)):
+        story = kc.learn(capture(theta, np.round(tau / step_nm) * step_nm))
+        rounding = f"cannot be told from the rounding of the torque, which is read in steps of {step_nm:.4g}"
+        assert (rounding in story.headline) is told
+        assert (story.verdict == "complete") is not told and story.found == ()
+    # What is more than rounding is said to be missing, however coarse its readings are.
+    more = tau + 0.3 * np.sign(omega) * np.exp(-np.abs(omega) / 0.3)
+    story = kc.learn(capture(theta, np.round(more / 0.04) * 0.04))
+    assert "stribeck" in story.found and within_rounding(story.ladder[0].fit) is None
 
 
 def steps(rest_s: float) -> kc.Capture:

@@ -17,6 +17,7 @@ from ..base.tables import TextTable, text_table
 from ..capture import Capture
 from ..fit import Fit
 from ..fit.beyond import incoherent
+from ..fit.coarse import within_rounding
 from ..fit.diagnose import Candidate, Diagnosis, check_effects, diagnose, p_in_words
 from ..fit.doubts import log_in_doubt
 from ..fit.fitting import as_logged
@@ -198,6 +199,15 @@ class LearningResult(showing.Tabled):
                     share=share,
                     along=along,
                     hint=what.hint,
+                )
+            if (steps := within_rounding(self.fit)) is not None:
+                return said(
+                    "{what} is left, {share} of it along {along}, cannot be told from the rounding of the "
+                    "torque, which is read in steps of {steps}.",
+                    what=head("; what", "What"),
+                    share=share,
+                    along=along,
+                    steps=number(steps, self.fit.torque_unit),
                 )
             if (best := self.not_added) is not None:
                 return said(
