@@ -17,7 +17,7 @@ from knobcam.fit.beyond import Beyond
 from knobcam.fit.diagnose import Diagnosis
 from knobcam.fit.forward import Forward, ForwardRun
 from knobcam.fit.rule import RULE
-from knobcam.learn import exchanged, proposing, selection
+from knobcam.learn import exchanged, learning, proposing, selection
 from knobcam.learn.ladder import LearningStep, Unexplained
 from knobcam.learn.learning import LearningResult
 from knobcam.learn.proposals import Proposal, Proposals
@@ -80,6 +80,9 @@ def test_of_what_a_ladder_says_in_the_end(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(selection, "_is_map", lambda effect, _: effect in maps)
     monkeypatch.setattr(selection, "width", lambda fit: fit.wide)
     monkeypatch.setattr(selection, "at_bounds", lambda fit: {})
+    monkeypatch.setattr(learning, "within_rounding", lambda fit: None)
+    for one in (selection, learning):
+        monkeypatch.setattr(one, "uncounted", lambda prepared: None)
     for at in range(150):
         fit = whole(rng)
         ladder = [LearningStep(fit)]

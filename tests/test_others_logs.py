@@ -170,6 +170,9 @@ def test_starts_from_rest_that_do_not_count_are_said_to_be_lost() -> None:
     fit = kc.fit(steps(0.5))
     (said,) = [one for one in fit.warnings if "rows that do not count" in one]
     assert "--prepare paper" in said
+    story = kc.learn(steps(0.5))
+    assert (story.verdict, story.found) == ("unexplained", ())
+    assert story.headline.startswith("Whether anything is missing cannot be told: 9")
     told = kc.fit(steps(0.5), prepare="paper")
     assert told.params["inertia.M"].value == pytest.approx(0.016, rel=0.1)
     assert not [one for one in told.warnings if "do not count" in one]

@@ -23,6 +23,7 @@ from ..fit.doubts import log_in_doubt
 from ..fit.fitting import as_logged
 from ..fit.refit import percent
 from ..fit.runs import in_words
+from ..fit.uncounted import uncounted
 from ..fit.verdict import explained
 from ..model import Model
 from ..model.effects import base_effects_shown
@@ -176,6 +177,8 @@ class LearningResult(showing.Tabled):
             if (fault := self.fit.log_fault) is not None:
                 said_so = "The log or its map is to be mended first, until then it tells nothing: {fault}."
                 return said(said_so, fault=fault)
+            if what.hint == uncounted(self.fit.prepared):
+                return said("Whether anything is missing cannot be told: {hint}.", hint=what.hint)
             if math.isnan(self.noise_floor):
                 return said(
                     "Whether anything is missing cannot be told: these samples do not show how much of the "

@@ -14,6 +14,7 @@ from ..fit.doubts import at_bounds
 from ..fit.plausible import columns_at_fault
 from ..fit.refit import converged, drop, gain, needed, needless, with_clipped
 from ..fit.rule import RULE
+from ..fit.uncounted import uncounted
 from ..fit.verdict import judged, within_law
 from ..model.effects import base_effects_shown, clipping, descriptions
 from .cut import Cut, Deadline, OutOfTime
@@ -177,6 +178,9 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
     if (fault := ladder[-1].fit.log_fault) is not None:
         # What is wrong is the log, not the knob.
         return Selection(tuple(ladder), (), last, Unexplained("load", 1.0, fault))
+    if (lost := uncounted(ladder[-1].fit.prepared)) is not None:
+        # Of the tenth that counts effects explain what they like.
+        return Selection(tuple(ladder), (), last, Unexplained("load", 1.0, lost))
     unexplained = None if within_law(ladder[-1].fit) else _unexplained(last.comparison)
     # What ended at a bound stands in for something else, however much it took off.
     stands_in = {name.split(".", 1)[0] for name in at_bounds(ladder[-1].fit)}
