@@ -86,6 +86,15 @@ def test_dates_and_times_of_the_day_are_seconds(tmp_path: Path, zone: str) -> No
     assert close(kc.load(daily))
 
 
+def test_a_measurement_file_of_labview_has_its_clock_under_another_name(tmp_path: Path) -> None:
+    """NI, "Specification for the LabVIEW Measurement File": two headers, then X_Value and a comment."""
+    head = ["LabVIEW Measurement\t", "Writer_Version\t2", "Separator\tTab", "Decimal_Separator\t."]
+    head += ["***End_of_Header***\t", "\t", "Channels\t2\t", "Samples\t400\t400", "Y_Unit_Label\trad\tN m"]
+    head += ["Delta_X\t0.005\t0.005", "***End_of_Header***\t\t", "X_Value\tAngle\tTorque\tComment"]
+    file = written(tmp_path / "run.lvm", head, lambda t, theta, tau: f"{t:.6f}\t{theta:.6f}\t{tau:.6f}\t")
+    assert close(kc.load(file))
+
+
 @pytest.mark.parametrize(
     ("form", "decimal"),
     [("%d.%m.%Y %H:%M:%S.%f", ","), ("%m/%d/%Y %I:%M:%S.%f %p", "."), ("%d/%m/%Y %H:%M:%S.%f", ".")],

@@ -27,6 +27,7 @@ _HEADS: dict[tuple[str, ...], str] = {
 _HEADS |= {
     tuple(pair.split()): quantity
     for quantity, pairs in {
+        "t": "x value",  # LabVIEW's
         "omega": "theta dot, q dot, phi dot, pos dot, position dot",
         "alpha": "theta ddot, q ddot, phi ddot, pos ddot, position ddot",
         "current": "i q, current q, q current",
