@@ -34,16 +34,18 @@ class Known:
     period: float | None = None
     prepared: tuple[Any, ...] = ()
     laws: tuple[str, ...] = ()
+    worths: dict[str, float] = field(default_factory=dict)
 
     @property
     def core(self) -> Any:
         model = SimpleNamespace(only=lambda effects: effects)
-        return SimpleNamespace(free=self.effects, model=model, worth=lambda effect: 0.0)
+        return SimpleNamespace(free=self.effects, model=model, worth=lambda one: self.worths.get(one, 0.0))
 
     @property
     def model(self) -> Any:
         known = {"effects": self.effects, "coordinate": "rotary", "period": self.period, "core": None}
-        return SimpleNamespace(**known, catalogue=kc.effects, laws=self.laws)
+        joint = next((one for one in self.effects if kc.effects()[one].place == "coupling"), None)
+        return SimpleNamespace(**known, catalogue=kc.effects, laws=self.laws, joint=joint)
 
     @property
     def excess(self) -> float:

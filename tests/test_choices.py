@@ -16,6 +16,7 @@ from knobcam.fit.rule import RULE
 from knobcam.learn import exchanged, joined, selection
 from knobcam.learn.cut import Cut
 from knobcam.learn.ladder import LearningStep, Unexplained
+from knobcam.learn.learning import LearningResult
 
 
 def test_a_gain_is_the_fall_of_the_squares_in_variances_of_the_noise_and_has_its_price():
@@ -146,6 +147,47 @@ def test_more_than_are_believed_of_one_knob_together_name_no_cause(monkeypatch: 
     assert named(climbed(*steps, laws=("torque_lag",)), comparison(True)) == (names, None)
     more = climbed(*steps[:3], ("torque_lag", 1.9))
     assert "together" not in named(more, comparison(False, split("time", 0.3)))[1].hint
+
+
+def test_what_a_joint_bent_is_named_by_what_it_does_beside_it(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(selection, "width", lambda fit: None)
+    left = 1.4**2 - 1.0
+    for share, there in ((1.01, True), (0.99, False)):
+        # Variances of the noise: a thousand samples of it, of which the spring takes as much off as is left.
+        worths = {"return_spring": share * left * SAMPLES}
+        for joint, came in (("backlash", there), ("stribeck", False)):
+            ladder = climbed(("return_spring", 9.0), (joint, 1.4), worths=worths)
+            found, _ = named(ladder, comparison(False, split("position", 0.3)))
+            assert found == (("return_spring", joint) if came else (joint,)), (share, joint)
+
+
+def test_where_too_many_came_in_the_joint_among_them_is_tried_alone(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(selection, "converged", lambda fit: fit)
+    came = [("presliding", 9.0), ("backlash", 4.0), ("friction_drift", 2.0), ("return_spring", 1.0)]
+    for p_value, steps, tried in (
+        (0.001, came, True),
+        (0.5, came, False),
+        (0.001, came[:3], False),
+        (0.001, [came[1], came[0], *came[2:]], False),
+        (0.001, [("stribeck", 4.0) if name == "backlash" else (name, rmse) for name, rmse in came], False),
+    ):
+        monkeypatch.setattr(selection, "chance_of", lambda fit, before, diagnosis, p=p_value: p)
+        ladder = climbed(*steps)
+        ladder[1].diagnosis.fit = ladder[0].fit  # type: ignore[union-attr]
+        step = selection.joint_first(ladder)
+        assert (step is not None) == tried, steps
+        if step is not None:
+            assert (step.added, step.p_value) == ("backlash", 0.001) and step.fit.before is ladder[0].fit
+            assert step.fit.effects == (*BASE, "backlash")
+
+
+def test_what_would_come_in_after_so_many_explains_nothing_and_is_not_named():
+    best = SimpleNamespace(effect="cogging", error_fall=0.07)
+    weighed: Any = SimpleNamespace(best=best)
+    for many in (2, int(RULE.most), int(RULE.most) + 1):
+        steps: Any = (LearningStep(Known(2.0), f"effect{at}", 0.001) for at in range(many))
+        story = LearningResult(tuple(steps), (), weighed, Unexplained("position", 0.9, "worst at 0 rad"))
+        assert (story.not_added is best) == (many <= RULE.most), many
 
 
 def test_maps_of_position_together_name_no_cause(monkeypatch: pytest.MonkeyPatch):

@@ -40,7 +40,12 @@ def whole(rng: np.random.Generator, before: Any = None, effects: tuple[str, ...]
     """A fit of which anything may be said."""
     fit = fitted(rng, before)
     fit.model = SimpleNamespace(
-        effects=("inertia", *effects), period=None, coordinate="rotary", catalogue=kc.effects, laws={}
+        effects=("inertia", *effects),
+        period=None,
+        coordinate="rotary",
+        catalogue=kc.effects,
+        laws={},
+        joint=None,
     )
     fit.log_fault = one_of(rng, *(None,) * 7, "tau is in another unit")
     fit.impossible = one_of(rng, *(None,) * 4, "inertia came out negative")

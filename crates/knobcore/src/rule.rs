@@ -88,7 +88,7 @@ verdict {
     /// What a pair of a coupling and another effect may leave of what the search one by one left.
     pair_leaves: 0.5, "share of the excess", "judgement: the better part";
     /// Effects that come in one after the other, at most.
-    most: 6.0, "effects", "judgement: a model that needs more is no explanation";
+    most: 4.0, "effects", "one more than is believed, for one that goes again; half and twice as many changed no answer of the examination";
     /// Effects that are believed of one knob together, at most: what takes more of them is not explained by them.
     believed: 3.0, "effects", "of the examination's answers of more names than that none was right";
     /// Detents that a motion has to cross for a shape that returns with each to be no map of position.

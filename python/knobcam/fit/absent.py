@@ -17,7 +17,6 @@ def absent(fit: Fit, without: Collection[str]) -> tuple[list[str], dict[str, str
     """Return the effects that a model could be given but those of `without`, and why others could not."""
     catalogue = fit.model.catalogue()
     have = fit.model.effects
-    coupled = any(catalogue[one].place == "coupling" for one in have)
     free = {name for name, parameter in fit.model.params.items() if parameter.role == "free"}
     wrong = incoherent(fit)
     left_out = {}
@@ -27,7 +26,7 @@ def absent(fit: Fit, without: Collection[str]) -> tuple[list[str], dict[str, str
             continue
         if row.needs is not None and row.needs not in have:
             left_out[one] = f"it changes '{row.needs}', which the model does not have"
-        elif coupled and row.place == "coupling":
+        elif fit.model.joint is not None and row.place == "coupling":
             left_out[one] = "another joint is in the model already"
         elif wrong and row.place != "load":
             left_out[one] = "errors of the recorded motion look like it"

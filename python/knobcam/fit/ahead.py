@@ -28,12 +28,10 @@ def delayed(fit: Fit) -> _core.Fit | None:
     what else is missing may look like one, and is for the diagnosis to tell. Nor beside a joint, nor where
     it was looked for already.
     """
-    catalogue, floor = fit.model.catalogue(), fit.noise_floor
-    have = fit.model.effects
+    floor = fit.noise_floor
     known = any(name in fit.model.params for one in _BOTH for name in _times(one))
-    joined = any(catalogue[one].place == "coupling" for one in have)
     # Not where a floor is unknown either.
-    if fit.before or known or joined or not fit.rmse > _NOTICED * floor:
+    if fit.before or known or fit.model.joint is not None or not fit.rmse > _NOTICED * floor:
         return None
     sketched = {row[0]: row for row in _core.diagnose(refit.cores(fit), fit.model.core, _BOTH, None, True)}
     ahead, behind = (_beyond_doubt(fit, sketched[one]) for one in _BOTH)

@@ -130,7 +130,7 @@ def with_other_detents(fit: Fit) -> Fit:
     """
     rows = fit.model.catalogue()
     shown = [one for one in base_effects_shown(fit.model.coordinate) if one in fit.model.effects]
-    bound = any(rows[one].needs in shown or rows[one].place == "coupling" for one in fit.model.effects)
+    bound = any(rows[one].needs in shown for one in fit.model.effects) or fit.model.joint is not None
     if not shown or bound or not (1.0 - _LOWER) * fit.rmse > fit.noise_floor:
         return fit
     others = with_detents(functools.reduce(drop, shown, fit))
@@ -140,8 +140,7 @@ def with_other_detents(fit: Fit) -> Fit:
 
 def _found(first: Fit, last: Fit) -> list[str]:
     """Return what came in, none beside a coupling."""
-    rows = first.model.catalogue()
-    if any(rows[one].place == "coupling" for one in last.model.effects):
+    if last.model.joint is not None:
         return []
     return [one for one in last.model.effects if one not in first.model.effects]
 

@@ -65,21 +65,21 @@ def rejoined(
     by and the joint has no simpler rival. What `progress` raises ends the work.
     """
     last = ladder[-1].fit
-    own = [one for one in joints(last.model.coordinate) if one in last.model.effects]
+    own = last.model.joint
     diagnosis = first_weighed(ladder)
     came = [step.added for step in ladder if step.added in last.model.effects]
-    if diagnosis is None or not own or own[0] not in came[:-1]:
+    if diagnosis is None or own is None or own not in came[:-1]:
         return None
     rows = effects(last.model.coordinate)
     few = min(len(rows[one].params) for one in joints(last.model.coordinate))
-    simplest = len(rows[own[0]].params) == few
+    simplest = len(rows[own].params) == few
     if last.rmse <= RULE.converged * last.noise_floor or (within_law(last) and simplest):
         return None
-    rigid = converged(last.drop(own[0]))
-    step = _step(beside_others(diagnosis, own[0], last, rigid, without, progress), own[0])
-    if step is None or step.added == own[0]:
+    rigid = converged(last.drop(own))
+    step = _step(beside_others(diagnosis, own, last, rigid, without, progress), own)
+    if step is None or step.added == own:
         return None
-    others = [one for one in came if one is not None and one != own[0]]
+    others = [one for one in came if one is not None and one != own]
     return [*climbed(rigid, others, ladder[0].fit, diagnosis), step]
 
 

@@ -22,6 +22,7 @@ from ..fit.diagnose import Candidate, Diagnosis, check_effects, diagnose, p_in_w
 from ..fit.doubts import log_in_doubt
 from ..fit.fitting import as_logged
 from ..fit.refit import percent
+from ..fit.rule import RULE
 from ..fit.runs import in_words
 from ..fit.uncounted import uncounted
 from ..fit.verdict import explained
@@ -136,8 +137,12 @@ class LearningResult(showing.Tabled):
 
     @property
     def not_added(self) -> Candidate | None:
-        """What could be missing still and was not added, as where a person stopped; None where nothing is."""
-        return None if self.cut is not None else self.weighed.best
+        """What could be missing still and was not added, as where a person stopped; None where nothing is.
+
+        Nor where so many came in that one more would explain nothing.
+        """
+        enough = self.cut is not None or len(self.ladder) > RULE.most
+        return None if enough else self.weighed.best
 
     @property
     def headline(self) -> Said:

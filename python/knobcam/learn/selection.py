@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
@@ -19,7 +20,7 @@ from ..fit.verdict import judged, within_law
 from ..model.effects import base_effects_shown, clipping, descriptions
 from .cut import Cut, Deadline, OutOfTime
 from .exchanged import anew, exchanged, straightened, with_detents, with_other_detents
-from .joined import joined, rejoined
+from .joined import chance_of, joined, rejoined
 from .joints import followed_to, overlooked
 from .ladder import LearningStep, Unexplained, first_weighed
 from .limitations import width
@@ -27,7 +28,7 @@ from .loosened import loosened
 from .ties import told_again
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection
+    from collections.abc import Callable, Collection, Sequence
 
     from ..fit import Fit
     from ..fit.compare import Comparison
@@ -66,6 +67,11 @@ def select(
     ladder = [LearningStep(fit)]
     try:
         grown = _grown(ladder, without, tell, deadline, given=given, detents=detents)
+        if (start := joint_first(grown.ladder)) is not None:
+            tell(f"weighing what could be missing beside {start.added} alone")
+            begun = [ladder[0], start]
+            again = _grown(begun, without, tell, deadline, given=given, detents=detents)
+            grown = again if again.unexplained is None else grown
         told = told_again(grown.ladder, tell, deadline)
         if told[-1].fit is grown.ladder[-1].fit:
             return grown._replace(ladder=told)
@@ -182,9 +188,12 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
         # Of the tenth that counts effects explain what they like.
         return Selection(tuple(ladder), (), last, Unexplained("load", 1.0, lost))
     unexplained = None if within_law(ladder[-1].fit) else _unexplained(last.comparison)
+    mainly = {step.added for step in ladder if _mainly(step)}
+    if (end := ladder[-1].fit).model.joint in mainly:
+        # A joint that is missing bends what comes in before it: what each does is seen beside it.
+        mainly |= {one for one in found if _most(end, one)}
     # What ended at a bound stands in for something else, however much it took off.
-    stands_in = {name.split(".", 1)[0] for name in at_bounds(ladder[-1].fit)}
-    mainly = {step.added for step in ladder if _mainly(step)} - stands_in
+    mainly -= {name.split(".", 1)[0] for name in at_bounds(end)}
     # Torques of position alone: two of them together draw nearly any map, so together they name no cause.
     maps = [one for one in found if _is_map(one, ladder[-1].fit)]
     if len(maps) > 1:
@@ -238,6 +247,29 @@ def _mainly(step: LearningStep) -> bool:
     return before is not None and before.rmse**2 - step.fit.rmse**2 >= RULE.mainly * before.excess
 
 
+def _most(fit: Fit, effect: str) -> bool:
+    """Whether an effect takes off most of what noise would not explain without it, to first order."""
+    worth = fit.core.worth(effect) * fit.noise_floor**2 / fit.white_squares
+    return worth * (1.0 - RULE.mainly) >= RULE.mainly * fit.excess
+
+
+def joint_first(ladder: Sequence[LearningStep]) -> LearningStep | None:
+    """Return the step to a joint alone that came in after others, where more came in than are believed.
+
+    What came in before it may have stood in for it, and what came in after it for what that bent. None where
+    it came in first, and without one.
+    """
+    last, diagnosis = ladder[-1].fit, first_weighed(ladder)
+    came = [step.added for step in ladder if step.added in last.model.effects]
+    joint = last.model.joint
+    if diagnosis is None or joint not in came[1:] or len(came) <= RULE.believed or last.log_fault is not None:
+        return None
+    bare = functools.reduce(lambda fit, one: fit.drop(one), (one for one in came if one != joint), last)
+    alone = replace(converged(bare), before=diagnosis.fit)
+    p_value = chance_of(alone, diagnosis.fit, diagnosis)
+    return LearningStep(alone, joint, p_value, (), (), diagnosis) if p_value <= RULE.chance else None
+
+
 def followed(diagnosis: Diagnosis, tell: Callable[[str], None]) -> Diagnosis | None:
     """Return a diagnosis with the coupling that leads the candidates followed to its end; None without one.
 
@@ -271,8 +303,7 @@ def without_help(richer: Fit, candidate: Candidate, fit: Fit) -> Fit | None:
 
     The error of a joint is rough: whatever is added to one moves it, and any move may end lower.
     """
-    places = {one: row.place for one, row in fit.model.catalogue().items()}
-    if candidate.place == "coupling" or all(places[one] != "coupling" for one in fit.model.effects):
+    if candidate.place == "coupling" or fit.model.joint is None:
         return None
     if needed(richer, candidate.effect):
         return None

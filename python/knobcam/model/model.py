@@ -147,6 +147,12 @@ class Model(showing.Tabled):
         """Ids of its effects, in the order of the catalogue."""
         return tuple(self.core.effects)
 
+    @property
+    def joint(self) -> str | None:
+        """The effect that joins shaft and knob; None where they are one."""
+        rows = self.catalogue()
+        return next((one for one in self.effects if rows[one].place == "coupling"), None)
+
     def catalogue(self) -> dict[str, Effect]:
         """Return the catalogue by id, with the laws that the model carries itself in place of their names."""
         return effects(self.coordinate) | of_rows(self.core.own_rows())

@@ -27,8 +27,11 @@ pub fn beside(screen: &Screen<'_>, effects: &[Id], left: f64) -> Vec<Ways> {
     started.sort_by_cached_key(|(id, ..)| *id);
     let promise = |start: &Start| screen.squares - start.predicted;
     let mut first: Vec<(usize, &Start)> = Vec::new();
-    for (of, (_, starts, before)) in started.iter().enumerate() {
-        first.extend([starts.first(), before.first()].into_iter().flatten().map(|start| (of, start)));
+    for (of, (id, starts, before)) in started.iter().enumerate() {
+        // Many waves over slower detents draw more in one step than fewer over those of the model.
+        let own = |start: &&Start| !id.info().slower.is_empty() && screen.keeps(&start.model);
+        let own = starts.iter().skip(1).find(own).filter(|_| !screen.keeps(&starts[0].model));
+        first.extend([starts.first(), own, before.first()].into_iter().flatten().map(|start| (of, start)));
     }
     first.sort_by_cached_key(|(_, start)| Ascending(start.predicted));
     let most = first.first().map_or(0.0, |(_, start)| promise(start));
@@ -41,18 +44,20 @@ pub fn beside(screen: &Screen<'_>, effects: &[Id], left: f64) -> Vec<Ways> {
     let [coarse, middle] = [COARSE_HZ, MIDDLE_HZ].map(|edge| slowed(data, edge));
     let [coarse, middle]: [Vec<&Signals>; 2] = [&coarse, &middle].map(|view| view.iter().collect());
     let floor = floor(data, COARSE_HZ, &coarse, screen.model);
-    // A wave may be too fast for a slower filter.
+    // The joint is where the finest filter has it, and a slower one may lead it away: that is for what finds no way down
+    // through this one. A wave may be too fast for it.
     let direct = |of: usize| started[of].0.info().scan.is_some() || coarse.len() < data.len();
     let without = squares(&coarse, screen.model);
     let mut looked: Vec<(usize, (Model, Found))> = watch.each(&first, |(of, start)| {
-        let near = if direct(*of) {
-            start.model.clone()
-        } else {
-            let end = on(&start.model, |model| sketch(&coarse, model));
-            let end = strode(&coarse, end, floor, without, watch);
-            on(&end.0, |model| glance(&middle, model)).0
-        };
-        (*of, on(&near, |model| glance(data, model)))
+        let followed = |model: &Model| on(model, |model| glance(data, model));
+        let end = followed(&start.model);
+        if direct(*of) || end.1.cost < screen.squares {
+            return (*of, end);
+        }
+        let far = on(&start.model, |model| sketch(&coarse, model));
+        let far = strode(&coarse, far, floor, without, watch);
+        let far = followed(&on(&far.0, |model| glance(&middle, model)).0);
+        (*of, if far.1.cost < end.1.cost { far } else { end })
     });
     looked.sort_by_cached_key(cost);
     looked.truncate(FOLLOWED);

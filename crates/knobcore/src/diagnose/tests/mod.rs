@@ -211,6 +211,24 @@ fn beside_a_joint_what_is_missing_is_found_and_what_explains_too_little_is_not_f
 }
 
 #[test]
+fn waves_behind_a_joint_are_those_of_the_detents_that_are_there_and_not_of_ones_twice_as_wide() {
+    let joint = [("compliance.k", 0.5), ("compliance.d", 4e-4), ("compliance.share", 0.65)];
+    let detents = [("detent.A", 5e-3), ("detent.P", 0.06), ("detent.S", 1.0)];
+    let base = knob(&[Id::Compliance, Id::Detent], &[joint, detents].concat());
+    let mut truth = base.with(Id::DetentHarmonics).unwrap();
+    for (name, value) in [("A2", 4e-3), ("S2", 0.5), ("A3", 2e-3), ("S3", -1.0), ("A4", 6e-4)] {
+        truth.set(&format!("detent_harmonics.{name}"), value).unwrap();
+    }
+    let signals = recorded(&truth, "a");
+    let data = [&signals];
+    let before = refine(&data, &base).unwrap();
+    let found = diagnose(&data, &before.model, &[Id::DetentHarmonics, Id::SecondDetent], &|_| true).unwrap();
+    let fit = found.iter().find(|one| one.id == Id::DetentHarmonics).unwrap().fit.as_ref().unwrap();
+    let period = fit.model.values()[fit.model.index("detent.P").unwrap()];
+    assert!(fit.rmse < 1.05 * fit.noise_floor && near(period, 0.06, 0.02), "{period} {}", fit.rmse);
+}
+
+#[test]
 fn an_effect_that_is_asked_for_alone_is_fitted_beside_a_joint_however_little_it_explains() {
     let joint = [("compliance.k", 0.3), ("compliance.d", 2e-3), ("compliance.share", 0.7)];
     let truth = knob(&[Id::Compliance], &joint);
