@@ -5,6 +5,7 @@ import { fitFormulas, lawOf } from "./math.js";
 import { listed, titleOf } from "./names.js";
 import { number, percent } from "./numbers.js";
 import { nodes, sentence } from "./said.js";
+import { apartButtons } from "./untold.js";
 
 /** @typedef {import("./types.js").Candidate} Candidate */
 /** @typedef {import("./types.js").State} State */
@@ -15,7 +16,7 @@ export class Candidates {
   /**
    * @param {HTMLElement} place
    * @param {{look: (effect: string | null) => void, take: (effect: string) => void, ask?: () => void,
-   *   about?: (row: Candidate) => void, apart?: (effects: string[]) => void}} deeds
+   *   about?: (row: Candidate) => void, apart?: import("./untold.js").Apart}} deeds
    * @param {string} taking what it is called to take one
    */
   constructor(place, deeds, taking) {
@@ -113,12 +114,9 @@ export class Candidates {
    */
   untold({ effect, equivalent }) {
     if (equivalent.length === 0) return null;
-    const apart = make("button", {
-      ...{ type: "button", text: "Tell apart…", "aria-label": `Tell apart… ${titleOf(effect)}` },
-      ...{ title: "design the motion that would tell", on: { click: () => this.deeds.apart?.([effect, ...equivalent]) } },
-    });
-    const others = listed(equivalent, ", ");
-    return make("span", { class: "alike soft" }, "this capture cannot tell it from ", ...others, " ", this.deeds.apart ? apart : null);
+    const { apart } = this.deeds;
+    const buttons = apart ? apartButtons([effect, ...equivalent], apart, titleOf(effect)) : [];
+    return make("span", { class: "alike soft" }, "this capture cannot tell it from ", ...listed(equivalent, ", "), " ", ...buttons);
   }
 
   /** Go to an effect. @param {string} effect */

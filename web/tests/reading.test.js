@@ -73,6 +73,16 @@ test("what to record next waits for what is missing, and says in words what show
   assert.equal(state(true, null, [["detent", "return_spring"]]), "", "and where effects look alike");
 });
 
+test("limits that are typed while something is missing are for what cannot be told from it", async () => {
+  globalThis.location = /** @type {any} */ ({ search: "" });
+  const { alikeOf } = await import("../src/untold.js");
+  const of = (/** @type {string[]} */ equivalent, /** @type {string[][]} */ untold = []) =>
+    alikeOf(/** @type {any} */ ({ candidates: { rows: [{ could_be: false }, { could_be: true, effect: "detent", equivalent }] }, untold }));
+  assert.deepEqual(of(["return_spring"]), ["detent", "return_spring"]);
+  assert.deepEqual(of([]), [], "nothing looks like it");
+  assert.deepEqual(of(["return_spring"], [["backlash", "hysteresis"]]), [], "what came in and was not told is asked for first");
+});
+
 test("the label of an axis gives way to the title of a narrow plot, and keeps its unit", () => {
   const letters = (/** @type {string} */ text) => text.length;
   assert.equal(labelWithin("velocity, m/s", 20, letters), "velocity, m/s");

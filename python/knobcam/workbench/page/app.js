@@ -931,13 +931,46 @@ function element([tag, attributes, ...children]) {
   return made;
 }
 
+// src/untold.js
+function insteadOf({ candidates, record, untold }) {
+  if (untold.length > 0) return "";
+  if (candidates.rows.some(({ could_be: could }) => could)) return "What to record next: that is known once what is missing is in the model.";
+  return record ? `What to record next, to see what it is: ${record}.` : "";
+}
+function alikeOf({ candidates, untold }) {
+  const first = untold.length > 0 ? void 0 : candidates.rows.find(({ could_be: could }) => could);
+  return first && first.equivalent.length > 0 ? [first.effect, ...first.equivalent] : [];
+}
+function apartButtons(effects, { apart: apart2, bounds }, whose = "") {
+  const button = (text, title, go) => make("button", { type: "button", text, title, "aria-label": `${text} ${whose}`.trim(), on: { click: () => go(effects) } });
+  return [
+    button("Tell apart…", "design the motion that would tell", apart2),
+    " ",
+    button("Limits…", "the limits of your rig, within which it is designed", bounds)
+  ];
+}
+function showUntold(place4, { untold }, deeds) {
+  const rows = untold.map(
+    (effects) => make(
+      "li",
+      {},
+      ...listed([effects[0]], ""),
+      " came in; these captures cannot tell it from ",
+      ...listed(effects.slice(1), ", "),
+      ". ",
+      ...apartButtons(effects, deeds)
+    )
+  );
+  place4.replaceChildren(...rows);
+}
+
 // src/candidates.js
 var NOTHING = "No effect that was weighed explains enough of what is left.";
 var Candidates = class {
   /**
    * @param {HTMLElement} place
    * @param {{look: (effect: string | null) => void, take: (effect: string) => void, ask?: () => void,
-   *   about?: (row: Candidate) => void, apart?: (effects: string[]) => void}} deeds
+   *   about?: (row: Candidate) => void, apart?: import("./untold.js").Apart}} deeds
    * @param {string} taking what it is called to take one
    */
   constructor(place4, deeds, taking) {
@@ -1027,12 +1060,9 @@ var Candidates = class {
    */
   untold({ effect, equivalent }) {
     if (equivalent.length === 0) return null;
-    const apart2 = make("button", {
-      ...{ type: "button", text: "Tell apart…", "aria-label": `Tell apart… ${titleOf(effect)}` },
-      ...{ title: "design the motion that would tell", on: { click: () => this.deeds.apart?.([effect, ...equivalent]) } }
-    });
-    const others = listed(equivalent, ", ");
-    return make("span", { class: "alike soft" }, "this capture cannot tell it from ", ...others, " ", this.deeds.apart ? apart2 : null);
+    const { apart: apart2 } = this.deeds;
+    const buttons = apart2 ? apartButtons([effect, ...equivalent], apart2, titleOf(effect)) : [];
+    return make("span", { class: "alike soft" }, "this capture cannot tell it from ", ...listed(equivalent, ", "), " ", ...buttons);
   }
   /** Go to an effect. @param {string} effect */
   go(effect) {
@@ -1686,7 +1716,7 @@ function draw(canvas, outline) {
 
 // src/files.js
 function opening(heard) {
-  const dialog2 = (
+  const dialog3 = (
     /** @type {HTMLDialogElement} */
     byId("open-dialog")
   );
@@ -1707,7 +1737,7 @@ function opening(heard) {
   let alike = [];
   const mapping = new Mapping(byId("open-map"), byId("open-columns"));
   const opened = (name) => {
-    dialog2.close();
+    dialog3.close();
     told.textContent = "";
     heard.say(`opened ${name}`);
     heard.done();
@@ -1719,7 +1749,7 @@ function opening(heard) {
       mapping.show(reason2.columns, reason2.guess);
       byId("open-more").setAttribute("open", "");
     }
-    if (!dialog2.open) dialog2.showModal();
+    if (!dialog3.open) dialog3.showModal();
   };
   const each = async (given, read) => {
     try {
@@ -1753,9 +1783,9 @@ function opening(heard) {
     mapping.clear();
     [waiting, alike] = [[], []];
     told.textContent = byId("open-named").textContent = "";
-    dialog2.showModal();
+    dialog3.showModal();
   });
-  byId("open-close").addEventListener("click", () => dialog2.close());
+  byId("open-close").addEventListener("click", () => dialog3.close());
   chosen.addEventListener("change", () => {
     fresh([...chosen.files ?? []]);
     chosen.value = "";
@@ -3993,25 +4023,73 @@ function dot(brush, x, y, size, colour) {
   brush.fill();
 }
 
-// src/untold.js
-function insteadOf({ candidates, record, untold }) {
-  if (untold.length > 0) return "";
-  if (candidates.rows.some(({ could_be: could }) => could)) return "What to record next: that is known once what is missing is in the model.";
-  return record ? `What to record next, to see what it is: ${record}.` : "";
-}
-function showUntold(place4, { untold }, apart2) {
-  const rows = untold.map(
-    (effects) => make(
-      "li",
-      {},
-      ...listed([effects[0]], ""),
-      " came in; these captures cannot tell it from ",
-      ...listed(effects.slice(1), ", "),
-      ". ",
-      make("button", { type: "button", text: "Tell apart…", on: { click: () => apart2(effects) } })
-    )
+// src/port.js
+var Port = class {
+  /**
+   * @param {(how: Record<string, unknown>) => Promise<unknown>} attempt to record the motion from there
+   * @param {() => void} begun where a hand is to be led meanwhile
+   */
+  constructor(attempt, begun) {
+    this.attempt = attempt;
+    this.begun = begun;
+    this.fault = null;
+    this.by_hand = false;
+    byId("rig-close").addEventListener("click", () => dialog2().close());
+    byId("rig-form").addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.record({});
+    });
+    byId("rig-clear").addEventListener("click", () => this.record({ clear_fault: this.fault }));
+  }
+  /** Ask for the port of a rig. @param {boolean} by_hand */
+  async ask(by_hand) {
+    this.by_hand = by_hand;
+    byId("rig-said").textContent = "";
+    byId("rig-fault").hidden = true;
+    byId("rig-warning").hidden = by_hand;
+    try {
+      const known2 = await ask("sources");
+      byId("rig-ports").replaceChildren(...known2.ports.map(({ port: port2, words: words4 }) => make("option", { value: port2, text: words4 })));
+      const [port, folder] = ["port", "folder"].map(field);
+      if (!port.value && known2.ports.length === 1) port.value = known2.ports[0].port;
+      if (!folder.value) folder.value = known2.folder;
+    } catch (reason2) {
+      byId("rig-said").textContent = wordsOf(reason2);
+    }
+    dialog2().showModal();
+  }
+  /** @param {Record<string, unknown>} more */
+  async record(more) {
+    const [port, folder] = ["port", "folder"].map((name) => field(name).value);
+    byId("rig-said").textContent = "";
+    byId("rig-fault").hidden = true;
+    try {
+      await this.attempt({ port: port || " ", folder, by_hand: this.by_hand, ...more });
+      dialog2().close();
+      if (this.by_hand) this.begun();
+    } catch (reason2) {
+      const fault = reason2 instanceof Refusal ? reason2.fault : null;
+      this.fault = fault?.code ?? null;
+      byId("rig-said").textContent = fault?.told ?? wordsOf(reason2);
+      byId("rig-fault").hidden = fault === null;
+    }
+  }
+};
+function dialog2() {
+  return (
+    /** @type {HTMLDialogElement} */
+    byId("rig-dialog")
   );
-  place4.replaceChildren(...rows);
+}
+function field(name) {
+  const { elements } = (
+    /** @type {HTMLFormElement} */
+    byId("rig-form")
+  );
+  return (
+    /** @type {HTMLInputElement} */
+    elements.namedItem(name)
+  );
 }
 
 // src/within.js
@@ -4116,7 +4194,8 @@ var Next = class {
   constructor(deeds) {
     this.deeds = deeds;
     this.metronome = new Metronome(deeds.where);
-    this.within = new Within(() => this.design(this.effects ?? this.rivals));
+    this.within = new Within(() => this.again());
+    this.port = new Port((how) => this.attempt(how), () => this.metronome.begin());
     this.plots = ["angle over time", "velocity over angle", "torques of the rivals"].map(
       (name) => new Plot(`${name} of the next experiment`, () => {
       })
@@ -4126,8 +4205,7 @@ var Next = class {
     this.motion = null;
     this.loading = null;
     this.drawn = "";
-    this.fault = null;
-    this.by_hand = false;
+    this.effects = void 0;
     this.buttons();
     new ResizeObserver(() => this.draw()).observe(byId("next-plots"));
   }
@@ -4135,20 +4213,11 @@ var Next = class {
     byId("next-show").addEventListener("click", () => this.told ? this.open() : this.design([]));
     byId("next-close").addEventListener("click", () => this.close());
     byId("next-record").addEventListener("click", () => this.attempt({}));
-    byId("next-port").addEventListener("click", () => this.askPort(false));
+    byId("next-port").addEventListener("click", () => this.port.ask(false));
     byId("next-hand").addEventListener("click", () => this.lead());
     byId("next-file").addEventListener("click", () => this.save());
     byId("lead-record").addEventListener("click", () => this.recordHand());
-    byId("rig-close").addEventListener("click", () => rig().close());
-    byId("rig-form").addEventListener("submit", (event) => {
-      event.preventDefault();
-      this.fromPort({});
-    });
-    byId("rig-clear").addEventListener("click", () => this.fromPort({ clear_fault: this.fault }));
-    byId("next-bounds").addEventListener("click", () => {
-      this.open();
-      byId("next-within").open = true;
-    });
+    byId("next-bounds").addEventListener("click", () => this.bounds());
   }
   /** @returns {Experiment | null} */
   get told() {
@@ -4158,6 +4227,24 @@ var Next = class {
   get rivals() {
     const rivals = this.told?.rivals ?? [];
     return rivals.length > 1 ? rivals.map((rival) => effectsOf(rival).at(-1) ?? "") : [];
+  }
+  /** Which effects a motion would be for that is designed within other limits. @returns {string[]} */
+  get asked() {
+    return this.effects ?? (this.told || !this.state ? this.rivals : alikeOf(this.state));
+  }
+  /** Show the limits, before there is a motion as well. @param {string[]} [effects] that it would be for */
+  bounds(effects) {
+    if (effects) this.effects = effects;
+    this.open();
+    byId("next-within").open = true;
+  }
+  /** Design within the limits as they are now; where a motion waits for what is missing, they are kept for it. */
+  again() {
+    return this.waits ? this.close() : this.design(this.asked);
+  }
+  /** Whether there is nothing yet that a motion could be designed for. */
+  get waits() {
+    return this.state !== null && this.told === null && this.asked.length === 0 && insteadOf(this.state) !== "";
   }
   /**
    * Design a motion for effects, and show it; for none: for what is known least. Where none is within the limits, they
@@ -4218,21 +4305,23 @@ var Next = class {
   }
   /** @param {State} state */
   show(state) {
+    if (this.state?.node !== state.node) this.effects = void 0;
     this.state = state;
-    showUntold(byId("untold"), state, (effects) => this.design(effects));
+    showUntold(byId("untold"), state, { apart: (effects) => this.design(effects), bounds: (effects) => this.bounds(effects) });
     const { experiment, node, recording, candidates } = state;
     byId("next-line").hidden = experiment === null && !(candidates.ready && node !== null);
     byId("next-show").textContent = experiment ? "Next experiment…" : "What to record next…";
     const instead = experiment === null ? insteadOf(state) : "";
     byId("next-show").hidden = instead !== "";
-    byId("next-bounds").hidden = instead !== "";
     byId("next").classList.toggle("without", experiment === null);
     if (node === null) byId("next").hidden = true;
     this.within.show(state);
     if (experiment === null) {
       byId("next-said").textContent = instead;
-      for (const id of ["next-time", "next-headline", "next-verdict"]) byId(id).textContent = "";
-      byId("next-again").textContent = "Design";
+      for (const id of ["next-time", "next-verdict"]) byId(id).textContent = "";
+      const { asked: asked2 } = this;
+      byId("next-headline").replaceChildren(...asked2.length > 1 ? ["For a motion that tells apart ", ...listed(asked2, ", "), "."] : [instead]);
+      byId("next-again").textContent = this.waits ? "Keep" : "Design";
       return;
     }
     byId("next-said").replaceChildren(...nodes(experiment.verdict ?? experiment.promises, aboutOf(state)));
@@ -4333,45 +4422,12 @@ var Next = class {
     else this.deeds.made();
     return true;
   }
-  /** Ask for the port of a rig. @param {boolean} by_hand */
-  async askPort(by_hand) {
-    this.by_hand = by_hand;
-    byId("rig-said").textContent = "";
-    byId("rig-fault").hidden = true;
-    byId("rig-warning").hidden = by_hand;
-    try {
-      const known2 = await ask("sources");
-      byId("rig-ports").replaceChildren(...known2.ports.map(({ port: port2, words: words4 }) => make("option", { value: port2, text: words4 })));
-      const [port, folder] = ["port", "folder"].map((name) => field("rig-form", name));
-      if (!port.value && known2.ports.length === 1) port.value = known2.ports[0].port;
-      if (!folder.value) folder.value = known2.folder;
-    } catch (reason2) {
-      byId("rig-said").textContent = wordsOf(reason2);
-    }
-    rig().showModal();
-  }
-  /** @param {Record<string, unknown>} more */
-  async fromPort(more) {
-    const [port, folder] = ["port", "folder"].map((name) => field("rig-form", name).value);
-    byId("rig-said").textContent = "";
-    byId("rig-fault").hidden = true;
-    try {
-      await this.attempt({ port: port || " ", folder, by_hand: this.by_hand, ...more });
-      rig().close();
-      if (this.by_hand) this.metronome.begin();
-    } catch (reason2) {
-      const fault = reason2 instanceof Refusal ? reason2.fault : null;
-      this.fault = fault?.code ?? null;
-      byId("rig-said").textContent = fault?.told ?? wordsOf(reason2);
-      byId("rig-fault").hidden = fault === null;
-    }
-  }
   /** Lead a hand through the motion; where it is for a motor, through one that a hand can make. */
   async lead() {
     if (this.told && !this.told.by_hand) {
       byId("next-only-hand").checked = true;
       this.within.read();
-      if (!await this.design(this.effects ?? this.rivals)) return;
+      if (!await this.design(this.asked)) return;
     }
     await this.loading;
     const { told, motion, state } = this;
@@ -4381,7 +4437,7 @@ var Next = class {
   /** Record while the hand is led: from the rig of before, or from one that is asked for. */
   async recordHand() {
     const source = this.told?.source ?? "";
-    if (!source.startsWith("the rig") && !source.startsWith("an emulated")) return this.askPort(true);
+    if (!source.startsWith("the rig") && !source.startsWith("an emulated")) return this.port.ask(true);
     if (await this.attempt({ by_hand: true })) this.metronome.begin();
   }
   async save() {
@@ -4396,22 +4452,6 @@ var Next = class {
     }
   }
 };
-function rig() {
-  return (
-    /** @type {HTMLDialogElement} */
-    byId("rig-dialog")
-  );
-}
-function field(form, name) {
-  const { elements } = (
-    /** @type {HTMLFormElement} */
-    byId(form)
-  );
-  return (
-    /** @type {HTMLInputElement} */
-    elements.namedItem(name)
-  );
-}
 function axis([low, high], label) {
   return { low, high, factor: 1, label };
 }
@@ -4656,7 +4696,7 @@ function place3(value, { low, high }) {
 var LEVELS = /* @__PURE__ */ new Set(["easy", "middling", "hard"]);
 var NUMBERS = /* @__PURE__ */ new Set(["duration_s", "speed", "seed", "baud"]);
 function sources(heard) {
-  const dialog2 = (
+  const dialog3 = (
     /** @type {HTMLDialogElement} */
     byId("new-dialog")
   );
@@ -4689,7 +4729,7 @@ function sources(heard) {
   };
   const opened = async () => {
     shown2();
-    dialog2.showModal();
+    dialog3.showModal();
     told.textContent = "";
     byId("new-fault").hidden = true;
     if (!known2) byId("new-doing").textContent = "looking for knobs and rigs …";
@@ -4729,8 +4769,8 @@ function sources(heard) {
   byId("new").addEventListener("click", opened);
   byId("new-first").addEventListener("click", opened);
   form.addEventListener("change", shown2);
-  byId("new-close").addEventListener("click", () => dialog2.close());
-  dialog2.addEventListener("close", () => {
+  byId("new-close").addEventListener("click", () => dialog3.close());
+  dialog3.addEventListener("close", () => {
     if (busy) post("stop", { keep: false }).catch(() => {
     });
   });
@@ -4752,7 +4792,7 @@ function sources(heard) {
         await post("record", asked2);
       }
       wait(false);
-      dialog2.close();
+      dialog3.close();
       (asked2.source === "simulated" ? heard.made : heard.recording)();
     } catch (reason2) {
       wait(false);
@@ -4945,7 +4985,10 @@ var App = class {
       take: (effect) => this.ask("add", { effect }, "add"),
       ask: () => this.ask("diagnose"),
       about: (effect) => this.about(effect),
-      apart: (effects) => this.next.design(effects)
+      apart: {
+        apart: (effects) => void this.next.design(effects),
+        bounds: (effects) => this.next.bounds(effects)
+      }
     };
     this.candidates = new Candidates(byId("candidates"), deeds, "Add");
     this.laws = new Laws(byId("laws"), {
