@@ -39,11 +39,3 @@ export function named(words, id) {
 export function listed(effects, between) {
   return effects.flatMap((effect, at) => [at > 0 ? between : "", named(titleOf(effect), effect)]);
 }
-
-/** @type {Record<string, string>} */
-const SLIDES = { theta: "x", omega: "v", alpha: "dv/dt" };
-
-/** A law as it is written of an axis: of one that slides by x and v, though it is typed by theta and omega. @param {string} law @param {"rotary" | "linear"} coordinate */
-export function writtenOf(law, coordinate) {
-  return coordinate === "linear" ? law.replaceAll(/\b(theta|omega|alpha)\b/g, (name) => SLIDES[name]) : law;
-}

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
+import re
 from itertools import combinations
 from typing import TYPE_CHECKING, NamedTuple
 from weakref import WeakKeyDictionary
 
 from ..base import pages
-from ..base.said import OfEffect, Said, Stretch, joined, said
+from ..base.said import OfEffect, OfParam, Said, Stretch, joined, said
 from ..errors import InputError
+from ..fit.doubts import may_be_nothing, unsettled
 from ..fit.plausible import out_of_range
 from ..learn import LearningResult
 from ..learn.limitations import limitations
 from ..learn.limits import Limits
-from ..model.effects import effects, titles
+from ..model.effects import base_effects, effects, titles
 from ..show.samples import below_hz, candidates, peak
 from . import proposing, ruling, surface
 from .closing import open_ones
@@ -36,6 +38,8 @@ if TYPE_CHECKING:
     from .view import View
 
 SCHEMA = "knobcam.workbench/1"
+NOTHING = "its interval holds zero: it may be nothing as well"
+_PARAM = re.compile(r"(\w+\.\w+)")
 _PAIRS = 12  # of parameters that move together, shown to who asks
 
 
@@ -97,7 +101,7 @@ def document(session: Session) -> pages.Session:
         "absent": [one for one in told.absent if one["effect"] not in foreign],
         "untold": _untold(steps),
         "proposed": proposing.document(laws),
-        "proposed_said": [] if laws is None else laws.headline.document(),
+        "proposed_said": proposing.headline(laws),
         "curve": proposing.curve(laws),
         "surface": surface.document(laws),
         "limits": told.limits,
@@ -244,7 +248,7 @@ def _parameters(view: View) -> list[pages.Param]:
         effect, own = name.split(".", 1)
         info = catalogue[effect].parameter(own)
         estimate = view.fit.params[name]
-        doubt = _doubt(name, estimate, info.plausible, view)
+        doubt = _doubt(name, estimate, catalogue[effect], view)
         rows.append(
             {
                 "name": name,
@@ -257,7 +261,7 @@ def _parameters(view: View) -> list[pages.Param]:
                 "lower": info.lower,
                 "upper": info.upper,
                 "meaning": info.meaning,
-                "doubt": None if doubt is None else Said(doubt).document(),
+                "doubt": None if doubt is None else _named(doubt, view.model).document(),
             }
         )
     return rows
@@ -292,14 +296,32 @@ def _moved(name: str, now: Parameter, view: View) -> bool:
     return name in view.dragged or (bool(view.dragged) and now.role in view.dragged)
 
 
-def _doubt(name: str, estimate: Estimate, plausible: tuple[float, float], view: View) -> str | None:
+def _named(doubt: str, model: Model) -> Said:
+    """Return a doubt as a sentence that knows which of its words are parameters."""
+    words = _PARAM.split(doubt) if not isinstance(doubt, Said) else [doubt]
+    return Said(*(OfParam(one) if one in model.params else one for one in words))
+
+
+def _doubt(name: str, estimate: Estimate, effect: Effect, view: View) -> str | None:
     """What is doubtful about a fitted value, if anything is."""
+    own = name.partition(".")[2]
     if name in view.fit.undetermined:
         return view.fit.undetermined[name]
     doubted = [warning for warning in view.fit.warnings if warning.startswith(f"{name} ")]
     if doubted:
         return doubted[0]
-    return out_of_range(estimate, plausible)
+    strange = out_of_range(estimate, effect.parameter(own).plausible)
+    if strange is None and may_be_nothing(effect, own, estimate) and _said_before(effect, view):
+        return NOTHING
+    return strange
+
+
+def _said_before(effect: Effect, view: View) -> bool:
+    """Whether it was said of an effect, before it came in, that its captures do not determine its values."""
+    if effect.id in base_effects(view.model.coordinate):
+        return False
+    own = {one: e for one, e in view.fit.params.items() if one.startswith(f"{effect.id}.")}
+    return effect.id in view.model.laws or bool(unsettled(effect, own))
 
 
 def _added(steps: list[LearningStep], story: LearningResult | None) -> list[str]:

@@ -117,10 +117,6 @@ function named(words4, id) {
 function listed(effects, between3) {
   return effects.flatMap((effect, at) => [at > 0 ? between3 : "", named(titleOf(effect), effect)]);
 }
-var SLIDES = { theta: "x", omega: "v", alpha: "dv/dt" };
-function writtenOf(law, coordinate) {
-  return coordinate === "linear" ? law.replaceAll(/\b(theta|omega|alpha)\b/g, (name) => SLIDES[name]) : law;
-}
 
 // src/numbers.js
 function number(value, digits = 3) {
@@ -2309,6 +2305,7 @@ var Laws = class {
     this.shown = shown2;
     byId("own").hidden = node === null;
     this.about = { curve, surface, ...aboutOf(state) };
+    showHow(this.about);
     this.draw();
     const nothing = candidates.rows.length === 0 && candidates.unexplained === null;
     if (!candidates.ready || node === null || proposed === null && nothing) {
@@ -2320,18 +2317,15 @@ var Laws = class {
       });
       this.place.replaceChildren(make("p", {}, ask2));
     } else {
-      const { coordinate } = this.about;
-      const said = proposed_said.map((part) => typeof part === "string" ? writtenOf(part, coordinate) : part);
       const list = proposed.map((law, at) => this.item(law, at + 1, rmse ?? law.rmse));
       this.place.replaceChildren(
-        make("p", { class: "soft small", role: "status" }, ...nodes(said, this.about)),
+        make("p", { class: "soft small", role: "status" }, ...nodes(proposed_said, this.about)),
         ...list.length > 0 ? [make("ul", { class: "laws", "aria-label": "laws that are proposed" }, ...list)] : []
       );
     }
   }
   /** @param {Law} row @param {number} number @param {number} rmse what is left without it */
   item({ label, law, variables, words: words4, doubt, rmse: left, start }, number2, rmse) {
-    const coordinate = this.about?.coordinate ?? "rotary";
     const of = `of ${variables.map(variableOf).join(", ")}`;
     const edit = make("button", {
       ...{ type: "button", text: "Edit…", "aria-label": `edit law ${number2}`, title: "as a formula of your own" },
@@ -2365,7 +2359,7 @@ var Laws = class {
     return make(
       "li",
       { class: "law", on: { pointerenter: look, pointerleave: away, focusin: look, focusout: away } },
-      make("code", { text: `${number2}. ${writtenOf(label, coordinate)}`, title: `typed as ${law}` }),
+      make("code", { text: `${number2}. ${label}`, title: `typed as ${law}` }),
       make("span", { class: "figure", text: percent(left / rmse - 1), title: "fall of the RMS error" }),
       make("span", { class: "soft", text: [...words4, of].join("; ") }),
       doubt ? make("span", { class: "doubt", text: `⚠ ${doubt}` }) : null,
@@ -2373,6 +2367,19 @@ var Laws = class {
     );
   }
 };
+function showHow(about2) {
+  const slides = about2.coordinate === "linear";
+  const [place4, speed, change] = slides ? ["x", "v", "dv/dt"] : ["theta", "omega", "alpha"];
+  const word = torqueWord(about2.unit);
+  byId("own-word").textContent = `${word.slice(0, 1).toUpperCase()}${word.slice(1)}`;
+  byId("own-how").textContent = `It answers the ${word} in ${about2.unit}, of t, ${place4}, ${speed}, ${change}, direction and s, the way since a reversal; abs(load)*sign(${speed}) is friction under a load; every other name is a parameter.`;
+  const law = (
+    /** @type {HTMLInputElement} */
+    /** @type {HTMLFormElement} */
+    byId("own-form").elements.namedItem("law")
+  );
+  law.placeholder = `2 a (${speed}/w) / (1 + (${speed}/w)^2)`;
+}
 function edited(law, start) {
   const form = (
     /** @type {HTMLFormElement} */
