@@ -59,6 +59,7 @@ def document(session: Session) -> pages.Session:
     end = _end(steps, diagnosis)
     story = None if end is None else LearningResult(*end)
     left = None if story is None else story.unexplained
+    headline = None if story is None else story.headline
     return {
         **known,
         "captures": [_capture(one, fitted, view.node.captures) for one in open_ones(session)],
@@ -73,9 +74,9 @@ def document(session: Session) -> pages.Session:
         "together": told.together,
         "rmse": view.rmse,
         "rmse_heldout": view.rmse_heldout,
-        "added": _added(steps, story),
-        "concluded": [] if story is None else story.headline.document(),
-        "verdict": _verdict(steps, diagnosis, story).document(),
+        "added": _added(steps, headline),
+        "concluded": [] if headline is None else headline.document(),
+        "verdict": _verdict(steps, diagnosis, headline).document(),
         "record": None if story is None else story.record,
         "carried": [
             {
@@ -324,26 +325,26 @@ def _said_before(effect: Effect, view: View) -> bool:
     return effect.id in view.model.laws or bool(unsettled(effect, own))
 
 
-def _added(steps: list[LearningStep], story: LearningResult | None) -> list[str]:
+def _added(steps: list[LearningStep], headline: Said | None) -> list[str]:
     """Return what came into the model and is not named otherwise in what is said of it."""
-    parts = () if story is None else story.headline.parts
+    parts = () if headline is None else headline.parts
     named = {part.effect for part in parts if isinstance(part, OfEffect)} | {*in_vain(steps)}
     came = dict.fromkeys(step.added for step in steps if step.added in steps[-1].effects)
     return [one for one in came if one is not None and one not in named]
 
 
-def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, story: LearningResult | None) -> Said:
+def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, headline: Said | None) -> Said:
     """Return what is said beside what is concluded."""
     vain = _in_vain(in_vain(steps))
     if diagnosis is None:
         return joined(" ", (vain, "What could be missing is not weighed yet."))
     compared, beyond = diagnosis.comparison, diagnosis.fit.beyond
-    if story is None:  # what is missing the page says first, of the candidates
+    if headline is None:  # what is missing the page says first, of the candidates
         # Chance may explain the error as a whole, and an effect still a part of it: not both is said.
         size = said("{error}.", error=compared.error) if compared.complete else compared.summary
         return joined(" ", (vain, size, beyond and beyond.sentence))
     # Where it is worst is said once.
-    told = any(isinstance(part, Stretch) for part in story.headline.parts)
+    told = any(isinstance(part, Stretch) for part in headline.parts)
     # An error like chance's is no proof of a model that no knob can have.
     against = joined("; ", diagnosis.fit.warnings) if compared.complete and diagnosis.fit.warnings else ""
     but = said("But {warnings}.", warnings=against) if against else ""
