@@ -303,7 +303,7 @@ def test_a_value_of_a_law_that_is_not_determined_is_marked_among_the_parameters(
     typed(session, "2 a (omega/w) / (1 + (omega/w)^2) + q*t", "mine", {"w": 1.3}, quiet)
     doubts = {one["name"]: one["doubt"] for one in document(session)["params"]}
     assert doubts["mine.a"] is None and doubts["viscous.pos"] is None
-    assert doubts["mine.q"] == ["its interval holds zero: it may be nothing as well"]
+    assert doubts["mine.q"] == ["may be nothing as well, for the interval holds zero"]
     session.undo()
     typed(session, "a*tanh(omega/w)", "other", {"w": 1e-4}, quiet)
     doubts = {one["name"]: one["doubt"] for one in document(session)["params"]}

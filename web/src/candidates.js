@@ -5,7 +5,7 @@ import { fitFormulas, lawOf } from "./math.js";
 import { listed, titleOf } from "./names.js";
 import { number, percent } from "./numbers.js";
 import { nodes, sentence } from "./said.js";
-import { apartButtons } from "./untold.js";
+import { apartButton, boundsButton } from "./untold.js";
 
 /** @typedef {import("./types.js").Candidate} Candidate */
 /** @typedef {import("./types.js").State} State */
@@ -16,7 +16,8 @@ export class Candidates {
   /**
    * @param {HTMLElement} place
    * @param {{look: (effect: string | null) => void, take: (effect: string) => void, ask?: () => void,
-   *   about?: (row: Candidate) => void, apart?: import("./untold.js").Apart}} deeds
+   *   about?: (row: Candidate) => void, apart?: (effects: string[]) => void,
+   *   bounds?: (effects: string[]) => void}} deeds
    * @param {string} taking what it is called to take one
    */
   constructor(place, deeds, taking) {
@@ -114,8 +115,9 @@ export class Candidates {
    */
   untold({ effect, equivalent }) {
     if (equivalent.length === 0) return null;
-    const { apart } = this.deeds;
-    const buttons = apart ? apartButtons([effect, ...equivalent], apart, titleOf(effect)) : [];
+    const { apart, bounds } = this.deeds;
+    const [all, title] = [[effect, ...equivalent], titleOf(effect)];
+    const buttons = apart && bounds ? [apartButton(all, apart, title), " ", boundsButton(all, bounds, title)] : [];
     return make("span", { class: "alike soft" }, "this capture cannot tell it from ", ...listed(equivalent, ", "), " ", ...buttons);
   }
 

@@ -26,7 +26,8 @@ export function titleOf(effect) {
 /** A parameter in words: what it is, and of which effect. @param {string} name `effect.parameter` */
 export function paramOf(name) {
   const [effect, ...own] = name.split(".");
-  const [words, title] = [meanings[name] || own.join("."), titleOf(effect)];
+  const [words] = (meanings[name] || own.join(".")).split(", "); // what is more about it stands in the table
+  const title = titleOf(effect);
   return words.includes(title) ? words : `${words} (${title})`;
 }
 

@@ -9,7 +9,7 @@ import { listed } from "./names.js";
 import { motionWords, number, torqueScale, torqueWord } from "./numbers.js";
 import { Plot } from "./plot.js";
 import { Port } from "./port.js";
-import { aboutOf, nodes } from "./said.js";
+import { aboutOf, nodes, sentence } from "./said.js";
 import { decode } from "./store.js";
 import { timed } from "./timing.js";
 import { alikeOf, insteadOf, showUntold } from "./untold.js";
@@ -157,7 +157,7 @@ export class Next {
   show(state) {
     if (this.state?.node !== state.node) this.effects = undefined; // what was asked of another model
     this.state = state;
-    showUntold(byId("untold"), state, { apart: (effects) => this.design(effects), bounds: (effects) => this.bounds(effects) });
+    showUntold(byId("untold"), state, (effects) => this.design(effects));
     const { experiment, node, recording, candidates } = state;
     byId("next-line").hidden = experiment === null && !(candidates.ready && node !== null);
     byId("next-show").textContent = experiment ? "Next experiment…" : "What to record next…";
@@ -170,7 +170,7 @@ export class Next {
       byId("next-said").textContent = instead;
       for (const id of ["next-time", "next-verdict"]) byId(id).textContent = "";
       const { asked } = this;
-      byId("next-headline").replaceChildren(...(asked.length > 1 ? ["For a motion that tells apart ", ...listed(asked, ", "), "."] : [instead]));
+      byId("next-headline").replaceChildren(...(asked.length > 1 ? ["For a motion that tells apart ", ...allOf(asked), "."] : [instead]));
       byId("next-again").textContent = this.waits ? "Keep" : "Design";
       return;
     }
@@ -208,7 +208,7 @@ export class Next {
     const led = tempi.size === 1 ? ` at ${[...tempi][0]} beats a minute` : "";
     byId("next-can").textContent = by_hand ? `By hand, led by a metronome${led}` : "For a motor";
     byId("next-no-hand").hidden = by_hand;
-    byId("next-steps").replaceChildren(...(by_hand ? steps : []).map(({ words }) => make("li", {}, words)));
+    byId("next-steps").replaceChildren(...(by_hand ? steps : []).map(({ words }) => make("li", {}, sentence([words], about))));
   }
 
   /** @param {Experiment} experiment @param {State} state */
@@ -344,6 +344,11 @@ function clouds(x, y, [before, motion]) {
       { colour: motion, chosen: null, y: fresh, strength: 1 },
     ],
   };
+}
+
+/** @param {string[]} effects at least two of them */
+function allOf(effects) {
+  return [...listed(effects.slice(0, -1), ", "), " and ", ...listed(effects.slice(-1), "")];
 }
 
 /** @param {(Node | string)[]} name @param {number} at */

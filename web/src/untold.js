@@ -4,7 +4,6 @@ import { make } from "./dom.js";
 import { listed } from "./names.js";
 
 /** @typedef {import("./types.js").State} State */
-/** @typedef {{apart: (effects: string[]) => void, bounds: (effects: string[]) => void}} Apart */
 
 /**
  * What is to be done before a motion is designed, or recorded in its place: for a model that lacks something it would
@@ -13,7 +12,7 @@ import { listed } from "./names.js";
  */
 export function insteadOf({ candidates, record, untold }) {
   if (untold.length > 0) return "";
-  if (candidates.rows.some(({ could_be: could }) => could)) return "What to record next: that is known once what is missing is in the model.";
+  if (candidates.rows.some(({ could_be: could }) => could)) return "What to record next is known once what is missing is in the model.";
   return record ? `What to record next, to see what it is: ${record}.` : "";
 }
 
@@ -29,28 +28,34 @@ export function alikeOf({ candidates, untold }) {
 }
 
 /**
- * The buttons beside effects that captures cannot tell apart: the motion that would, and its limits.
+ * The button that designs the motion which tells effects apart.
  * @param {string[]} effects
- * @param {Apart} deeds
+ * @param {(effects: string[]) => void} apart
  * @param {string} [whose] of several beside each other
  */
-export function apartButtons(effects, { apart, bounds }, whose = "") {
-  const button = (/** @type {string} */ text, /** @type {string} */ title, /** @type {(effects: string[]) => void} */ go) =>
-    make("button", { type: "button", text, title, "aria-label": `${text} ${whose}`.trim(), on: { click: () => go(effects) } });
-  return [
-    button("Tell apart…", "design the motion that would tell", apart),
-    " ",
-    button("Limits…", "the limits of your rig, within which it is designed", bounds),
-  ];
+export function apartButton(effects, apart, whose = "") {
+  const [text, label] = ["Tell apart…", `Tell apart… ${whose}`.trim()];
+  return make("button", { type: "button", text, title: "design the motion that would tell", "aria-label": label, on: { click: () => apart(effects) } });
+}
+
+/**
+ * The button that shows the limits of such a motion.
+ * @param {string[]} effects
+ * @param {(effects: string[]) => void} bounds
+ * @param {string} whose
+ */
+export function boundsButton(effects, bounds, whose) {
+  const title = "the limits of your rig, within which it is designed";
+  return make("button", { type: "button", text: "Limits…", title, "aria-label": `Limits… ${whose}`, on: { click: () => bounds(effects) } });
 }
 
 /**
  * Say what captures could not tell of what came in, with a button for each.
  * @param {HTMLElement} place
  * @param {State} state
- * @param {Apart} deeds
+ * @param {(effects: string[]) => void} apart
  */
-export function showUntold(place, { untold }, deeds) {
+export function showUntold(place, { untold }, apart) {
   const rows = untold.map((effects) =>
     make(
       "li",
@@ -59,7 +64,7 @@ export function showUntold(place, { untold }, deeds) {
       " came in; these captures cannot tell it from ",
       ...listed(effects.slice(1), ", "),
       ". ",
-      ...apartButtons(effects, deeds),
+      apartButton(effects, apart),
     ),
   );
   place.replaceChildren(...rows);

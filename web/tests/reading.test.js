@@ -56,8 +56,8 @@ test("a verdict begins with what is missing in plain words, and with what to do 
 
 test("a headline says what was added to the model that it is of", () => {
   known({ titles: { torque_drift: "torque drift" } });
-  assert.deepEqual(beside(["detent", "torque_drift", "law"], ["What is left", " is chance."]), ["With detent, torque drift and law added: ", "what is left", " is chance."]);
-  assert.deepEqual(beside(["torque_drift"], ["Missing: there are detents"]), ["With torque drift added: ", "missing: there are detents"]);
+  assert.deepEqual(beside(["detent", "torque_drift", "law"], ["What is left", " is chance."]), ["With detent, torque drift and law added, ", "what is left", " is chance."]);
+  assert.deepEqual(beside(["torque_drift"], ["Missing: there are detents"]), ["With torque drift added, ", "missing: there are detents"]);
   assert.deepEqual(beside([], ["Missing"]), ["Missing"]);
   assert.deepEqual(beside(["detent"], []), []);
 });
@@ -93,7 +93,7 @@ test("the label of an axis gives way to the title of a narrow plot, and keeps it
 test("units and numbers of sentences are written as people write them", () => {
   assert.deepEqual(["N s^2/m", "N m s^2/rad", "1", "N m s^2/rad^2"].map(unitWords), ["kg", "kg m²", "", "N m s²/rad²"]);
   known({ titles: { coulomb: "dry friction", inertia: "inertia" }, params: /** @type {any} */ ([
-    { name: "coulomb.neg", meaning: "dry friction moving backward" }, { name: "inertia.M", meaning: "mass" }]) });
+    { name: "coulomb.neg", meaning: "dry friction moving backward, a magnitude" }, { name: "inertia.M", meaning: "mass" }]) });
   assert.equal(paramOf("coulomb.neg"), "dry friction moving backward", "an effect is not named twice");
   assert.equal(paramOf("inertia.M"), "mass (inertia)");
   assert.equal(sentence([{ param: "inertia.M" }, " = -0.1 of -3-fold"], KNOB), "mass (inertia) = −0.1 of −3-fold");

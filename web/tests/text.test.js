@@ -85,9 +85,16 @@ test("of requests that pile up only the newest is made", async () => {
 test("a parameter says half its interval, that it is fixed, or that nothing determines it", () => {
   assert.equal(plusMinus({ ci95: [0.9, 1.1], role: "free" }), "± 0.1");
   assert.equal(plusMinus({ ci95: [0.9, 1.1], role: "free" }, 1000), "± 100");
-  assert.equal(plusMinus({ ci95: null, role: "fixed" }), "fixed");
+  for (const ci95 of /** @type {const} */ ([null, [0, 0]])) assert.equal(plusMinus({ ci95: /** @type {any} */ (ci95), role: "fixed" }), "fixed");
   assert.equal(plusMinus({ ci95: null, role: "free" }), "± ?");
   assert.equal(plusMinus({ ci95: [1, 1], role: "free" }), "");
+});
+
+test("what is doubted alike of several values of an effect is said once", async () => {
+  const { sharedDoubts } = await import("../src/params.js");
+  const own = ["presliding.s", "presliding.w1", "presliding.w2"].map((name) => ({ name }));
+  assert.deepEqual([...sharedDoubts(own, ["may be nothing", "", "may be nothing"])], [["may be nothing", ["s", "w2"]]]);
+  assert.deepEqual([...sharedDoubts(own, ["at its bound", "", "may be nothing"])], []);
 });
 
 test("the variables of a law are words", async () => {

@@ -80,7 +80,7 @@ def _untold(learned: LearningResult) -> str:
         f"{effect_word(added, kind)} from {effect_word(other, kind)}: either explains these captures"
         for added, other in untold(learned)
     ]
-    said += [one.message for one in learned.limitations]
+    said += [worded(one.message, kind) for one in learned.limitations]
     said += [f"{param_word(name, kind)}: {why}" for name, why in learned.fit.undetermined.items()]
     if learned.unexplained is not None:
         said.append(_unexplained(learned))

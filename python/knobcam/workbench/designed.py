@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base import pages_next
-from ..base.said import OfParam, Said, joined, said
+from ..base.said import OfParam, Said, joined, number, said
 from ..capture.by_hand import by_hand, hand_can
 from ..capture.motion_plan import MotionPlan
 from ..fit import fit
@@ -282,7 +282,13 @@ def _sharper(
     """Return a motion for one parameter with how well that is known by all captures now."""
     tell("fitting all")
     now = fit(captures, kept.models[0], **options).params[known.param]
-    half = f"{now.value:.4g} ± {0.5 * (now.ci95[1] - now.ci95[0]):.2g} {now.unit}"
     times = f"{known.before / now.se:.3g} times as well as before" if now.se > 0.0 else "exactly"
-    verdict = said("{param} is known {times}: {half}.", param=OfParam(known.param), times=times, half=half)
+    half = 0.5 * (now.ci95[1] - now.ci95[0])
+    verdict = said(
+        "{param} is known {times}: {value} ± {half}.",
+        param=OfParam(known.param),
+        times=times,
+        value=number(now.value, now.unit),
+        half=number(half, now.unit, ".2g"),
+    )
     return replace(kept, capture=name, verdict=verdict, right=0)

@@ -13,6 +13,7 @@ from ..learn.proposing import accepted
 from ..model.own import forget_effect
 from ..model.own_law import free_name, guesses
 from ..model.sliding import written
+from ..show.words import unit_word
 from . import arrays, formulas
 from .answers import answered, bytes_answer, finished
 from .bodies import read_json, text, whole
@@ -255,7 +256,8 @@ def curve(found: Proposals | None) -> Curve | None:
 
 
 def _in_words(params: Mapping[str, Estimate]) -> list[str]:
-    return [f"{name} = {e.value:.4g} {e.unit} ({e.interval})" for name, e in params.items()]
+    words = (f"{name} = {e.value:.4g} {unit_word(e.unit)} ({e.interval})" for name, e in params.items())
+    return [one.replace("-", "−").replace("  ", " ") for one in words]
 
 
 def doubt_of(params: Mapping[str, Estimate]) -> str:

@@ -26,6 +26,7 @@ from .learned import carried, conclusion, in_vain, ladder
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from ..base.pages_said import Part
     from ..fit import Estimate, Fit
     from ..fit.diagnose import Diagnosis
     from ..learn.ladder import LearningStep
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
     from .view import View
 
 SCHEMA = "knobcam.workbench/1"
-NOTHING = "its interval holds zero: it may be nothing as well"
+NOTHING = "may be nothing as well, for the interval holds zero"
 _PARAM = re.compile(r"(\w+\.\w+)")
 _PAIRS = 12  # of parameters that move together, shown to who asks
 
@@ -115,7 +116,7 @@ class _Said(NamedTuple):
 
     peak: float
     together: list[pages.Together]
-    limitations: list[str]
+    limitations: list[list[Part]]
     absent: list[pages.Effect]
     limits: dict[str, float] | None
 
@@ -126,7 +127,7 @@ _KNOWN: WeakKeyDictionary[Fit, _Said] = WeakKeyDictionary()
 def _said(fitted: Fit) -> _Said:
     """Return it as it was said before, where it was."""
     if fitted not in _KNOWN:
-        cannot = [f"{one.message}; {one.record}" for one in limitations(fitted)]
+        cannot = [Said(one.message, "; ", one.record).document() for one in limitations(fitted)]
         missing = [one.document() for one in absent(fitted.model)]
         _KNOWN[fitted] = _Said(peak(fitted), _together(fitted), cannot, missing, _reached(fitted))
     return _KNOWN[fitted]
@@ -346,9 +347,23 @@ def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, headline: S
     # Where it is worst is said once.
     told = any(isinstance(part, Stretch) for part in headline.parts)
     # An error like chance's is no proof of a model that no knob can have.
-    against = joined("; ", diagnosis.fit.warnings) if compared.complete and diagnosis.fit.warnings else ""
+    warned = diagnosis.fit.warnings if compared.complete else ()
+    against = joined("; ", _said_once(warned)) if warned else ""
     but = said("But {warnings}.", warnings=against) if against else ""
     return joined(" ", (vain, compared.size if told else compared.summary, but))
+
+
+def _said_once(warnings: Sequence[str]) -> list[str]:
+    """Return warnings of which those that say the same of another parameter name that alone."""
+    told: list[str] = []
+    known: set[str] = set()
+    for warning in warnings:
+        first, *rest = warning.parts if isinstance(warning, Said) else (warning,)
+        same = "".join(map(str, rest))
+        alike = isinstance(first, OfParam) and same in known
+        told.append(said("so is {param}", param=first) if alike else warning)
+        known.add(same)
+    return told
 
 
 def _in_vain(effects: list[str]) -> Said | None:

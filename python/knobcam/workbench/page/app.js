@@ -108,7 +108,8 @@ function titleOf(effect) {
 }
 function paramOf(name) {
   const [effect, ...own] = name.split(".");
-  const [words4, title] = [meanings[name] || own.join("."), titleOf(effect)];
+  const [words4] = (meanings[name] || own.join(".")).split(", ");
+  const title = titleOf(effect);
   return words4.includes(title) ? words4 : `${words4} (${title})`;
 }
 function named(words4, id) {
@@ -713,7 +714,7 @@ function showFindings(place4, { captures, active, limitations, notes, job }, abo
     return own2.map((one) => finding(one, { id, name: several ? `${short2.get(id)}: ` : "", job }, about2, deeds));
   });
   found2.push(...[...every.values()].map((one) => finding(one, all, about2, deeds)));
-  const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
+  const missing = limitations.map((said) => make("li", { class: "soft" }, "Cannot be told: ", ...nodes(said, about2)));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
   const open = place4.querySelector("details")?.open ?? false;
   const own = found2.length > FEW2 ? [folded(found2, told, open)] : found2;
@@ -930,22 +931,22 @@ function element([tag, attributes, ...children]) {
 // src/untold.js
 function insteadOf({ candidates, record, untold }) {
   if (untold.length > 0) return "";
-  if (candidates.rows.some(({ could_be: could }) => could)) return "What to record next: that is known once what is missing is in the model.";
+  if (candidates.rows.some(({ could_be: could }) => could)) return "What to record next is known once what is missing is in the model.";
   return record ? `What to record next, to see what it is: ${record}.` : "";
 }
 function alikeOf({ candidates, untold }) {
   const first = untold.length > 0 ? void 0 : candidates.rows.find(({ could_be: could }) => could);
   return first && first.equivalent.length > 0 ? [first.effect, ...first.equivalent] : [];
 }
-function apartButtons(effects, { apart: apart2, bounds }, whose = "") {
-  const button = (text, title, go) => make("button", { type: "button", text, title, "aria-label": `${text} ${whose}`.trim(), on: { click: () => go(effects) } });
-  return [
-    button("Tell apart…", "design the motion that would tell", apart2),
-    " ",
-    button("Limits…", "the limits of your rig, within which it is designed", bounds)
-  ];
+function apartButton(effects, apart2, whose = "") {
+  const [text, label] = ["Tell apart…", `Tell apart… ${whose}`.trim()];
+  return make("button", { type: "button", text, title: "design the motion that would tell", "aria-label": label, on: { click: () => apart2(effects) } });
 }
-function showUntold(place4, { untold }, deeds) {
+function boundsButton(effects, bounds, whose) {
+  const title = "the limits of your rig, within which it is designed";
+  return make("button", { type: "button", text: "Limits…", title, "aria-label": `Limits… ${whose}`, on: { click: () => bounds(effects) } });
+}
+function showUntold(place4, { untold }, apart2) {
   const rows = untold.map(
     (effects) => make(
       "li",
@@ -954,7 +955,7 @@ function showUntold(place4, { untold }, deeds) {
       " came in; these captures cannot tell it from ",
       ...listed(effects.slice(1), ", "),
       ". ",
-      ...apartButtons(effects, deeds)
+      apartButton(effects, apart2)
     )
   );
   place4.replaceChildren(...rows);
@@ -966,7 +967,8 @@ var Candidates = class {
   /**
    * @param {HTMLElement} place
    * @param {{look: (effect: string | null) => void, take: (effect: string) => void, ask?: () => void,
-   *   about?: (row: Candidate) => void, apart?: import("./untold.js").Apart}} deeds
+   *   about?: (row: Candidate) => void, apart?: (effects: string[]) => void,
+   *   bounds?: (effects: string[]) => void}} deeds
    * @param {string} taking what it is called to take one
    */
   constructor(place4, deeds, taking) {
@@ -1056,8 +1058,9 @@ var Candidates = class {
    */
   untold({ effect, equivalent }) {
     if (equivalent.length === 0) return null;
-    const { apart: apart2 } = this.deeds;
-    const buttons = apart2 ? apartButtons([effect, ...equivalent], apart2, titleOf(effect)) : [];
+    const { apart: apart2, bounds } = this.deeds;
+    const [all, title] = [[effect, ...equivalent], titleOf(effect)];
+    const buttons = apart2 && bounds ? [apartButton(all, apart2, title), " ", boundsButton(all, bounds, title)] : [];
     return make("span", { class: "alike soft" }, "this capture cannot tell it from ", ...listed(equivalent, ", "), " ", ...buttons);
   }
   /** Go to an effect. @param {string} effect */
@@ -1471,7 +1474,7 @@ function bars({ names, d, standard_d, wrong_choice, came }, about2, told) {
       make("span", { class: "figure", text: value > MOST_D ? `> ${MOST_D}` : number(value), title: number(value) })
     );
   };
-  const wrong = wrong_choice < 1e-3 ? "less than 0.1 %" : percent(wrong_choice);
+  const wrong = wrong_choice < 1e-4 ? "less than 0.01 %" : `${number(100 * wrong_choice, 2)} %`;
   return [
     make("p", {}, make("strong", {}, ...nodes(names[0], about2), " or ", ...nodes(names[1], about2)), `: the wrong one is chosen in ${wrong}`),
     row("this motion", d, "promised"),
@@ -1865,7 +1868,7 @@ async function showHidden({ captures, active }) {
 function showStanding({ hints, more, wrong, found: found2, hidden, solved, given_up, sealed, score }) {
   document.body.classList.toggle("sealed", sealed);
   byId("unseal").hidden = !sealed;
-  byId("hides").classList.toggle("well", solved && !given_up);
+  byId("challenge-said").classList.toggle("well", solved && !given_up);
   byId("challenge-score").textContent = `${score} points`;
   byId("challenge-said").textContent = standingWords({ wrong, found: found2, hidden, solved, given_up });
   byId("challenge-hints").replaceChildren(...hints.map((text) => make("li", { text })));
@@ -4314,7 +4317,7 @@ var Next = class {
   show(state) {
     if (this.state?.node !== state.node) this.effects = void 0;
     this.state = state;
-    showUntold(byId("untold"), state, { apart: (effects) => this.design(effects), bounds: (effects) => this.bounds(effects) });
+    showUntold(byId("untold"), state, (effects) => this.design(effects));
     const { experiment, node, recording, candidates } = state;
     byId("next-line").hidden = experiment === null && !(candidates.ready && node !== null);
     byId("next-show").textContent = experiment ? "Next experiment…" : "What to record next…";
@@ -4327,7 +4330,7 @@ var Next = class {
       byId("next-said").textContent = instead;
       for (const id of ["next-time", "next-verdict"]) byId(id).textContent = "";
       const { asked: asked2 } = this;
-      byId("next-headline").replaceChildren(...asked2.length > 1 ? ["For a motion that tells apart ", ...listed(asked2, ", "), "."] : [instead]);
+      byId("next-headline").replaceChildren(...asked2.length > 1 ? ["For a motion that tells apart ", ...allOf(asked2), "."] : [instead]);
       byId("next-again").textContent = this.waits ? "Keep" : "Design";
       return;
     }
@@ -4363,7 +4366,7 @@ var Next = class {
     const led = tempi.size === 1 ? ` at ${[...tempi][0]} beats a minute` : "";
     byId("next-can").textContent = by_hand ? `By hand, led by a metronome${led}` : "For a motor";
     byId("next-no-hand").hidden = by_hand;
-    byId("next-steps").replaceChildren(...(by_hand ? steps : []).map(({ words: words4 }) => make("li", {}, words4)));
+    byId("next-steps").replaceChildren(...(by_hand ? steps : []).map(({ words: words4 }) => make("li", {}, sentence([words4], about2))));
   }
   /** @param {Experiment} experiment @param {State} state */
   async load(experiment, { node, active }) {
@@ -4486,6 +4489,9 @@ function clouds(x, y, [before, motion]) {
     ]
   };
 }
+function allOf(effects) {
+  return [...listed(effects.slice(0, -1), ", "), " and ", ...listed(effects.slice(-1), "")];
+}
 function key(name, at) {
   const mark = make("i", {});
   mark.style.background = `var(${COLOURS[at % COLOURS.length]})`;
@@ -4601,13 +4607,19 @@ var Params = class {
     const focused = document.activeElement?.getAttribute("data-param");
     this.rows.clear();
     const groups = Map.groupBy(params, ({ name }) => name.split(".")[0]);
-    const lines = [...groups].flatMap(([effect, own]) => [
-      this.heading(effect, groups.size > 1),
-      ...own.flatMap((param) => {
-        const doubt = param.doubt ? sentence(withoutName(param.doubt, param.name), about2).trim() : "";
-        return [this.line(param, doubt, scaleOf(param.unit, about2)), own.length <= WORDED ? this.meaning(param) : "", reason(doubt)];
-      })
-    ]);
+    const lines = [...groups].flatMap(([effect, own]) => {
+      const doubts = own.map(({ name, doubt }) => doubt ? sentence(withoutName(doubt, name), about2).trim() : "");
+      const shared = sharedDoubts(own, doubts);
+      return [
+        this.heading(effect, groups.size > 1),
+        ...[...shared].map(([doubt, names]) => reason(`${names.join(", ")}: ${doubt}`)),
+        ...own.flatMap((param, at) => [
+          this.line(param, doubts[at], scaleOf(param.unit, about2)),
+          own.length <= WORDED ? this.meaning(param) : "",
+          shared.has(doubts[at]) ? "" : reason(doubts[at])
+        ])
+      ];
+    });
     const widths = make("colgroup", {}, ...["name", "slide", "value", "unit"].map((name) => make("col", { class: name })));
     this.place.replaceChildren(make("table", { class: "params" }, widths, make("tbody", {}, ...lines)));
     if (focused) this.rows.get(focused)?.slider.focus();
@@ -4667,6 +4679,11 @@ function apart({ name, unit, value }) {
 function withoutName([first, ...rest], name) {
   return typeof first === "object" && "param" in first && first.param === name ? rest : [first, ...rest];
 }
+function sharedDoubts(own, doubts) {
+  const letters = own.map(({ name }) => name.split(".").slice(1).join("."));
+  const several = new Set(doubts.filter((doubt, at) => doubt !== "" && doubts.indexOf(doubt) !== at));
+  return new Map([...several].map((doubt) => [doubt, letters.filter((_, at) => doubts[at] === doubt)]));
+}
 function reason(doubt) {
   if (!doubt) return "";
   return make("tr", {}, make("td", { class: "reason doubt", colspan: 4, text: doubt }));
@@ -4684,7 +4701,8 @@ function span3({ fitted, ci95, lower, upper }) {
   return { low: Math.max(fitted - reach2, lower ?? -Infinity), high: Math.min(fitted + reach2, upper ?? Infinity) };
 }
 function plusMinus({ ci95, role }, factor = 1) {
-  if (!ci95) return role === "fixed" ? "fixed" : "± ?";
+  if (role === "fixed") return "fixed";
+  if (!ci95) return "± ?";
   return ci95[1] > ci95[0] ? `± ${number(0.5 * factor * (ci95[1] - ci95[0]), 2)}` : "";
 }
 function interval(ci95, { low, high }) {
@@ -4910,7 +4928,7 @@ function beside(added, [first, ...rest]) {
   const names = added.map(titleOf);
   const all = names.length > 1 ? `${names.slice(0, -1).join(", ")} and ${names.at(-1)}` : names[0];
   const begun = typeof first === "string" ? `${first.slice(0, 1).toLowerCase()}${first.slice(1)}` : first;
-  return [`With ${all} added: `, begun, ...rest];
+  return [`With ${all} added, `, begun, ...rest];
 }
 function leadOf(part, place4, { rows }, to) {
   if (typeof part === "string") return null;
@@ -4992,10 +5010,8 @@ var App = class {
       take: (effect) => this.ask("add", { effect }, "add"),
       ask: () => this.ask("diagnose"),
       about: (effect) => this.about(effect),
-      apart: {
-        apart: (effects) => void this.next.design(effects),
-        bounds: (effects) => this.next.bounds(effects)
-      }
+      apart: (effects) => void this.next.design(effects),
+      bounds: (effects) => this.next.bounds(effects)
     };
     this.candidates = new Candidates(byId("candidates"), deeds, "Add");
     this.laws = new Laws(byId("laws"), {
