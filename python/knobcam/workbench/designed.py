@@ -250,11 +250,13 @@ def came(
     tied = [at for at in others if cost[at] - cost[best] <= RULE.alike]
     words = [said("{best} explains all captures best", best=kept.names[best])]
     for at in (one for one in others if one not in tied):
-        more = left[at] - left[best]
-        why = (
-            f"leaves {more:.4g} more" if more > RULE.alike else "explains too little more for its parameters"
-        )
-        words.append(said("{name} {why}", name=kept.names[at], why=why))
+        if left[at] - left[best] > RULE.alike:
+            leaves = "{name} leaves {more} where it leaves {least}"
+            unit, [more, least] = fits[best].torque_unit, (fits[one].rmse for one in (at, best))
+            error = {"more": number(more, unit), "least": number(least, unit)}
+            words.append(said(leaves, name=kept.names[at], **error))
+        else:
+            words.append(said("{name} explains too little more for its parameters", name=kept.names[at]))
     if tied:
         names = joined(", ", (kept.names[at] for at in tied))
         words.append(said("still not told from it: {names}", names=names))
