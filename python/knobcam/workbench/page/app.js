@@ -1541,7 +1541,10 @@ var Mapping = class {
       const field3 = { name, target, text, unit, range: range2 };
       text.addEventListener("focus", () => this.at = text);
       text.addEventListener("input", () => this.tell());
-      unit.addEventListener("change", () => this.chose(unit.value));
+      unit.addEventListener("change", () => {
+        if (name === "theta") this.follow(unit.value);
+        this.chose(unit.value);
+      });
       place4.append(make("div", {}, make("span", { text: target.words }), text, unit, name === "theta" ? this.per : null, range2));
       return field3;
     });
@@ -1655,6 +1658,13 @@ var Mapping = class {
     const known2 = KINDS2.some((kind) => field3.target.units[kind].includes(unit));
     field3.unit.value = known2 ? unit : "";
     this.chose(field3.unit.value);
+  }
+  /** What a position is in is most often what its velocity is in a second: filled in where nothing is yet. @param {string} unit */
+  follow(unit) {
+    for (const [name, following] of [["omega", `${unit}/s`], ["alpha", `${unit}/s^2`]]) {
+      const field3 = this.fields.find((one) => one.name === name);
+      if (field3 && field3.text.value.trim() && !field3.unit.value) this.measure(field3, following);
+    }
   }
   /** A unit was chosen: one of a length says that the axis slides. @param {string} unit */
   chose(unit) {
