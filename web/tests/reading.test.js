@@ -99,6 +99,11 @@ test("units and numbers of sentences are written as people write them", () => {
   assert.equal(sentence([{ param: "inertia.M" }, " = -0.1 of -3-fold"], KNOB), "mass (inertia) = −0.1 of −3-fold");
 });
 
+test("what a model makes of a capture is called as what was measured", () => {
+  assert.equal(sentence([{ along: "load" }], KNOB), "modelled torque");
+  assert.equal(sentence([{ along: "load" }], { ...KNOB, unit: "V" }), "modelled voltage");
+});
+
 test("a torque's axis is that of all but a few samples that would have half of it alone", () => {
   const torque = Float32Array.from({ length: 5000 }, (_, at) => 1 + Math.sin(at));
   const [low, high] = mostLimits(torque.slice(), torque);

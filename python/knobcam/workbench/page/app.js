@@ -491,7 +491,7 @@ function rowsOf(data, view, widest) {
       xAxis: { ...common.xAxis, label: "" },
       // where it is chosen it stands already
       yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}${slow}, ${scale.unit}${beyondWords(measured2, lowest, highest)}` },
-      title: part ? `what depends on ${along} alone` : `${word} over ${axis2.words}`,
+      title: part ? `what depends on ${along} alone` : `${word} over ${axisWord(along, data.unit)}`,
       series,
       noise: null
     };
@@ -526,9 +526,15 @@ function axisOf(along, x, data) {
   const [low, high] = span(x);
   return { low, high, factor: 1, label: labelOf(along, data) };
 }
+function axisWord(along, unit) {
+  return along === "load" ? `modelled ${torqueWord(unit)}` : AXES[
+    /** @type {Along} */
+    along
+  ]?.words ?? along;
+}
 function labelOf(along, { unit, coordinate }) {
-  const { words: words4, units } = AXES[along];
-  return `${words4}, ${units ? units[coordinate === "linear" ? 1 : 0] : unit}`;
+  const { units } = AXES[along];
+  return `${axisWord(along, unit)}, ${units ? units[coordinate === "linear" ? 1 : 0] : unit}`;
 }
 function samplesIn({ columns }, { axis: axis2, low, high, direction }) {
   if (axis2 === "frequency") return null;
@@ -590,7 +596,7 @@ function wordsOfPart(part, about2) {
   if (typeof part === "string") return part.replaceAll(/(?<=^|[\s(])-(?=\d)/g, "−");
   if ("text" in part) return measured(part, about2);
   if ("low" in part) return stretch(part, about2);
-  if ("along" in part) return axisWord(part.along);
+  if ("along" in part) return axisWord(part.along, about2.unit);
   if ("effect" in part) return titleOf(part.effect);
   if ("param" in part) return paramOf(part.param);
   if ("column" in part) return columnWord(part.column, about2);
@@ -619,12 +625,6 @@ function stretch({ low, high, unit, direction }, about2) {
   const scale = scaleOf(unit, about2);
   const [from, to] = [low, high].map((end) => number(end * scale.factor, 4));
   return `${from} to ${to} ${unitWords(scale.unit)}${DIRECTIONS.get(direction) ?? ""}`;
-}
-function axisWord(axis2) {
-  return AXES[
-    /** @type {import("./contents.js").Along} */
-    axis2
-  ]?.words ?? axis2;
 }
 function columnWord(column, about2) {
   const { theta, omega, alpha } = motionWords(about2);
@@ -3202,7 +3202,7 @@ var Linked = class {
       for (const element2 of [this.residuals[at].element, this.pickers[at]]) element2.classList.toggle("wide", along === "frequency");
       for (const kind of [0, 2]) this.rows[at][kind].element.toggleAttribute("hidden", along === "frequency");
       for (const [kind, plot] of this.rows[at].entries()) {
-        plot.element.setAttribute("aria-label", kinds[kind].replace("%", AXES[along].words));
+        plot.element.setAttribute("aria-label", kinds[kind].replace("%", axisWord(along, data.unit)));
         if (along === this.axes[at]) continue;
         plot.setRegion(null);
         this.heights.delete(plot);
