@@ -2,6 +2,7 @@
 
 import { curveWords, drawCurve, variableOf } from "./curve.js";
 import { byId, make } from "./dom.js";
+import { fitFormulas, lawOf } from "./math.js";
 import { aboutOf, nodes } from "./said.js";
 import { drawSurface, surfaceWords } from "./surface.js";
 import { number as written, percent, torqueScale, torqueWord } from "./numbers.js";
@@ -26,6 +27,7 @@ export class Laws {
     this.about = null;
     new ResizeObserver(() => this.draw()).observe(byId("curve"));
     new ResizeObserver(() => this.draw()).observe(byId("surface"));
+    new ResizeObserver(() => fitFormulas(place)).observe(place);
     const form = /** @type {HTMLFormElement} */ (byId("own-form"));
     form.addEventListener("submit", async (event) => {
       event.preventDefault();
@@ -127,6 +129,7 @@ export class Laws {
         make("p", { class: "soft small", role: "status" }, ...nodes(proposed_said, this.about)),
         ...(list.length > 0 ? [make("ul", { class: "laws", "aria-label": "laws that are proposed" }, ...list)] : []),
       );
+      fitFormulas(this.place);
     }
   }
 
@@ -161,7 +164,8 @@ export class Laws {
     return make(
       "li",
       { class: "law", on: { pointerenter: look, pointerleave: away, focusin: look, focusout: away } },
-      make("code", { text: `${number}. ${label}`, title: `typed as ${law}` }),
+      // What is drawn by splines has a name, and no formula that anybody reads.
+      make("div", { class: "written", title: `typed as ${law}` }, `${number}.`, label === law ? lawOf({ latex: "", law }) : make("span", { text: label })),
       make("span", { class: "figure", text: percent(left / rmse - 1), title: "fall of the RMS error" }),
       make("span", { class: "soft", text: [...words, of].join("; ") }),
       doubt ? make("span", { class: "doubt", text: `⚠ ${doubt}` }) : null,

@@ -103,7 +103,7 @@ export class Params {
 
   /** What a parameter is, below it. @param {Param} param */
   meaning({ name, meaning: words }) {
-    if (!words) return "";
+    if (!words || name.endsWith(`.${words}`)) return ""; // of a law of one's own there are its letters alone
     return make("tr", {}, make("td", { class: "meaning soft", colspan: 4 }, words, this.rows.get(name)?.apart ?? ""));
   }
 

@@ -3,23 +3,12 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
 
-from ..base.said import Said
 from ..errors import InputError
 from ..model.own_law import own_law
 from ..model.sliding import LAW_NAMES, NAME, read, written
 
-if TYPE_CHECKING:
-    from ..base import pages_said
-
 _CHARACTER = re.compile(r"(?<=character )\d+")
-
-
-def said(sentence: Said, coordinate: str) -> list[pages_said.Part]:
-    """Return a sentence with laws in it as a page has it."""
-    parts = (written(one, coordinate) if isinstance(one, str) else one for one in sentence.parts)
-    return Said(*parts).document()
 
 
 def register(name: str, formula: str, coordinate: str) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from starlette.concurrency import run_in_threadpool
 
+from ..base.said import Said
 from ..errors import InputError
 from ..fit import refit
 from ..learn.proposing import accepted
@@ -231,8 +232,13 @@ def document(found: Proposals | None) -> list[pages.Law] | None:
 
 
 def headline(found: Proposals | None) -> list[pages_said.Part]:
-    """Return the same in one sentence; nothing where laws were not looked for."""
-    return [] if found is None else formulas.said(found.headline, found.beside.model.coordinate)
+    """Return the same in one sentence, with the first of them as law 1; nothing where none were sought."""
+    if found is None:
+        return []
+    parts = found.headline.parts
+    for first in found.laws[:1]:
+        parts = tuple(one.replace(first.label, "law 1") if isinstance(one, str) else one for one in parts)
+    return Said(*parts).document()
 
 
 def curve(found: Proposals | None) -> Curve | None:
