@@ -106,7 +106,7 @@ await page.setViewportSize({ width: 800, height: 950 });
 await accessible(page, "narrow");
 await page.setViewportSize({ width: 1500, height: 950 });
 const folds = page.locator(".candidates ~ details");
-assert.match(await folds.nth(0).locator("summary").textContent(), /^\d ruled out by values that none can have: .*friction over position \(−3\d %\)/);
+assert.match(await folds.nth(0).locator("summary").textContent(), /^\d ruled out by values that none can have: .*friction over position \(−3\d\s%\)/);
 for (const [at, doubt] of [[0, true], [1, false]]) {
   await folds.nth(at).locator("summary").click();
   const why = folds.nth(at).locator(".candidate").first().locator(".doubt");

@@ -174,7 +174,7 @@ function outWords({ effect, error_fall: fall }) {
 
 /** @param {Candidate} row @param {import("./said.js").About} about */
 function evidence(row, about) {
-  const chance = row.p_value <= 0.001 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
+  const chance = row.p_value <= 0.001 ? "p\u00a0≤\u00a00.001" : `p\u00a0=\u00a0${number(row.p_value, 2)}`;
   return `${sentence(row.said, about)} (${chance})`;
 }
 

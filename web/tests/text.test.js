@@ -13,8 +13,8 @@ test("numbers have a true minus and as many digits as they need", () => {
   assert.equal(number(1234.5678, 6), "1234.57");
   assert.equal(number(NaN), "–");
   assert.equal(number(0), "0");
-  assert.equal(percent(0.046), "4.6 %");
-  assert.equal(percent(-0.5), "−50 %");
+  assert.equal(percent(0.046), "4.6\u00a0%");
+  assert.equal(percent(-0.5), "−50\u00a0%");
   assert.deepEqual([0, 999, 1000, 250_000, 1_234_567].map(thousands), ["0", "999", "1,000", "250,000", "1,234,567"]);
 });
 

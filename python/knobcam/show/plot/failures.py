@@ -42,8 +42,8 @@ def comparison(comparison: Comparison) -> Picture:
     Titles carry each axis's share of the squared error beyond noise; the worst axis is framed.
     """
     fit = comparison.fit
-    explained, relative = 100.0 * comparison.figures.explained, 100.0 * comparison.figures.relative
-    how_large = f"{explained:.1f} % of the variance explained, relative error {relative:.3g} %"
+    explained, relative = comparison.figures.in_percent, 100.0 * comparison.figures.relative
+    how_large = f"{explained} of the variance explained, relative error {relative:.3g} %"
     figure = Picture(11.5, 9.6, f"{headline(fit)}; {how_large}")
     peak = max(float(np.max(np.abs(split.mean), initial=0.0)) for split in comparison.splits)
     scale = torque_scale(fit.model.torque_unit, peak)

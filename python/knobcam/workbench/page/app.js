@@ -135,7 +135,7 @@ function thousands(many) {
 function percent(share) {
   if (!Number.isFinite(share)) return "–";
   const text = (100 * share).toFixed(share > 0 && share < 0.1 ? 1 : 0);
-  return `${Number(text) === 0 ? "0" : text} %`.replaceAll("-", "−");
+  return `${Number(text) === 0 ? "0" : text} %`.replaceAll("-", "−");
 }
 function torqueScale({ unit, peak }) {
   return unit === "N m" && peak <= 2 ? { factor: 1e3, unit: "mNm" } : { factor: 1, unit };
@@ -1222,7 +1222,7 @@ function outWords({ effect, error_fall: fall }) {
   return `${titleOf(effect)} (${percent(-Math.max(0, fall))})`;
 }
 function evidence(row, about2) {
-  const chance = row.p_value <= 1e-3 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
+  const chance = row.p_value <= 1e-3 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
   return `${sentence(row.said, about2)} (${chance})`;
 }
 function remarks({ equivalent, confused, note }) {
