@@ -83,7 +83,7 @@ def shares(axes: Axes, comparison: Comparison) -> None:
     axes.set_xlim(0.0, 112.0)
     axes.set_xticks([0, 25, 50, 75, 100])
     axes.grid(visible=False, axis="y")
-    told = "share of the error beyond noise (%), of each axis alone: they overlap\nblack: chance stays below"
+    told = "share of the error beyond noise (%)\nof each axis alone: they overlap\nblack: chance stays below"
     axes.set_xlabel(told if known else "share of the squared error (%), noise and all")
     axes.set_title(plain(_verdict(comparison)), fontweight="bold")
 
@@ -143,7 +143,9 @@ def bin_means(axes: Axes, split: Split, scale: Scale) -> None:
         first = float(split.high[split.low == 0.0].min(initial=np.inf))
         axes.set(xscale="log", xlim=(0.5 * first, float(split.high.max())))
     if len(directions) > 1:
-        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1, ncols=2)
+        # Beside a title, in a panel that may be narrow.
+        short = {"handlelength": 0.9, "handletextpad": 0.4, "columnspacing": 0.8}
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1, ncols=2, **short)
 
 
 def line_spectrum(axes: Axes, split: Split, scale: Scale) -> None:
