@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import knobcam as kc
+from knobcam.fit.compare import Figures
 
 
 @pytest.fixture(scope="module")
@@ -99,3 +100,9 @@ def test_masked_samples_are_in_no_figure(capture: kc.Capture) -> None:
     comparison = kc.fit(dataclasses.replace(capture, mask=mask)).compare()
     assert comparison.by_capture[0] == comparison.figures
     assert comparison.figures.rmse == pytest.approx(comparison.fit.rmse)
+
+
+def test_what_a_model_nearly_explains_is_not_said_to_be_all() -> None:
+    assert str(Figures(0.005, 0.99956, 0.021).in_percent) == "more than 99.9 %"
+    assert str(Figures(0.005, 0.9994, 0.021).in_percent) == "99.9 %"
+    assert str(Figures(1e-12, 1.0, 1e-11).in_percent) == "100.0 %"

@@ -186,9 +186,9 @@ def designed(*d: float, **more: Any) -> Experiment:
 
 
 def test_an_experiment_says_what_it_tells_and_what_it_would_take():
-    both = designed(30.0, TOLD)
+    both = designed(30.0, TOLD, 50.0)
     assert both.separable and both.headline.startswith(
-        "4 s tell base and offset apart (the wrong one is chosen in 5 %)"
+        "4 s tell base, stribeck and offset apart (the wrong one is chosen in 5 %)"
     )
     short = designed(30.0, 0.99 * TOLD, 50.0)
     assert not short.separable and short.headline.endswith("on any motion they are nearly the same.")
@@ -198,6 +198,7 @@ def test_an_experiment_says_what_it_tells_and_what_it_would_take():
     assert both.rows() == [
         ("base or stribeck", "30", "0.31 %", "15"),
         ("base or offset", "10.8", "5 %", "5.4"),
+        ("stribeck or offset", "50", "0.02 %", "25"),
     ]
     rivals = (("stribeck", "unbalance"), ("stribeck", "detent", "offset"))
     fit: Any = None

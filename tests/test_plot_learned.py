@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -17,6 +19,7 @@ from small import COUPLINGS
 import knobcam as kc
 from knobcam import plot
 from knobcam.model.typical import typical
+from knobcam.show.plot.movements import plotted
 from knobcam.show.words import param_word, sentence
 
 
@@ -165,3 +168,17 @@ def test_the_axis_that_an_effect_follows_is_framed() -> None:
 def test_typical_values_of_an_effect_are_what_a_small_knob_has() -> None:
     spring = typical(kc.effects()["return_spring"])
     assert 1e-4 < spring["return_spring.k"] < 1.0
+
+
+def test_parameters_that_went_with_their_effect_have_no_empty_row(story: kc.LearningResult) -> None:
+    first, *steps = story.ladder
+    gone = next(iter(first.params))
+    assert gone in plotted(story.ladder)
+    without: Any = [
+        SimpleNamespace(
+            added=step.added, moved={name: one for name, one in step.moved.items() if name != gone}
+        )
+        for step in steps
+    ]
+    assert gone not in plotted((first, *without)) and len(plotted((first, *without))) > 0
+    assert gone in plotted((first,))

@@ -205,5 +205,28 @@ def test_shares_that_overlap_are_said_to_and_bins_beyond_their_band_do_not_contr
     calm = kc.fit(kc.simulate("knob4", "sweep", duration_s=4.0, rate_hz=1000.0, seed=5)).compare()
     noisy = dataclasses.replace(calm["frequency"], mean=1.2 * calm["frequency"].band)
     quiet = dataclasses.replace(calm["frequency"], mean=0.8 * calm["frequency"].band)
-    assert not noisy.fails and of_excess(noisy) == "no more than chance, all bins together"
+    assert not noisy.fails and of_excess(noisy) == "no line stands out"
     assert of_excess(quiet) == "no more than chance"
+
+
+def test_effects_that_came_in_together_have_what_was_weighed_beside_them_once(
+    story: kc.LearningResult,
+) -> None:
+    step = next(one for one in story.ladder if one.added is not None)
+    twice = dataclasses.replace(story, ladder=(*story.ladder, dataclasses.replace(step, added="stribeck")))
+    told = report._alternatives(twice)
+    title = kc.effects()[step.added or ""].title
+    assert told.count("<h3>Instead of") == 1 and f"Instead of {title} and Stribeck friction" in told
+
+
+def test_a_candidate_that_is_far_worse_does_not_push_the_others_aside() -> None:
+    knob = kc.hiding("knob4", "return_spring", motion="sweep", duration_s=4.0)
+    fit = kc.fit(kc.simulate(knob, "sweep", duration_s=4.0, rate_hz=1000.0, seed=5))
+    weighed = kc.diagnose(fit, only=["return_spring", "quadratic_drag"])
+    spring, drag = weighed.candidates
+    worse = dataclasses.replace(drag, fit=dataclasses.replace(fit, before=spring.fit))
+    assert worse.error_fall < -1.5
+    drawn = dataclasses.replace(weighed, candidates=(spring, worse)).plot().axes[0]
+    left, right = drawn.get_xlim()
+    assert right > -left
+    assert any(f"{100.0 * worse.error_fall:.0f} %".replace("-", "−") in one.get_text() for one in drawn.texts)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 import knobcam as kc
+from knobcam.model.sliding import read, written
 
 
 def test_what_is_told_of_an_axis_that_slides_has_no_torque_and_no_moment_of_inertia() -> None:
@@ -35,3 +36,29 @@ def test_what_returns_along_a_slide_is_a_ripple_and_no_detent() -> None:
         assert not [said for said in words if "detent" in said.lower()]
     assert kc.effects("linear")["detent"].title == "ripple"
     assert kc.effects("rotary")["detent"].title == "detent"
+
+
+def test_laws_of_a_slide_are_of_its_position_and_velocity_and_a_force() -> None:
+    slides = kc.effects("linear")
+    assert not [one.id for one in slides.values() if re.search(r"\\(theta|omega|alpha|tau)\b", one.latex)]
+    assert slides["return_spring"].latex == r"k\,(x - x_0)"
+    assert kc.effects()["return_spring"].latex == r"k\,(\theta - \theta_0)"
+    kc.own_law("screw_law", "a sin(theta/P) + m alpha")
+    try:
+        laws = [kc.effects(coordinate)["screw_law"].law for coordinate in ("rotary", "linear")]
+    finally:
+        kc.forget_effect("screw_law")
+    assert laws == ["a sin(theta/P) + m alpha", "a sin(x/P) + m dv/dt"]
+
+
+def test_what_is_written_of_a_slide_is_read_as_the_same_law() -> None:
+    for law in (
+        "2*a*(omega/w)/(1 + (omega/w)^2)",
+        "k*theta + m*alpha",
+        "a*exp(-s/d)",
+        "a*x*theta",
+        "v*omega",
+    ):
+        assert read(written(law, "linear"), "linear") == law
+        assert written(law, "rotary") == read(law, "rotary") == law
+    assert read("a 2x + xx", "linear") == "a 2theta + xx"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -246,6 +247,37 @@ def test_of_two_formulas_the_one_that_was_typed_last_is_fitted_whichever_comes_f
     wrong(opened.post("/api/typed", json={"law": "k*theta", "typed_ms": -1}), 400, "typed_ms")
 
 
+@pytest.fixture
+def slide(bench: Bench) -> kc.Capture:
+    """An axis that slides, taken from a knob."""
+    knob = kc.simulate("knob4", "sweep", duration_s=4.0, rate_hz=1000.0, seed=5)
+    capture = replace(knob, coordinate="linear", torque_unit="N")
+    bench.session.take(capture, "slide")
+    return capture
+
+
+def test_a_formula_of_a_slide_is_typed_by_x_and_v(
+    client: httpx.Client, bench: Bench, slide: kc.Capture
+) -> None:
+    told = client.post("/api/typed", json={"law": "b v + k x"}).json()["tried"]
+    assert told["law"] == "b v + k x" and slide.coordinate == "linear"
+    body = {"law": "b v + k x", "name": "mine"}
+    assert client.post("/api/formula", json=body).status_code == 200
+    assert bench.session.node.fit.model.laws == {"mine": "b omega + k theta"}
+
+
+def test_a_formula_of_a_slide_is_refused_by_the_character_that_was_typed(
+    client: httpx.Client, slide: kc.Capture
+) -> None:
+    assert slide.coordinate == "linear"
+    for law, words in (
+        ("k x + a foo(v)", "at character 9, 'foo(v)': 'foo' is no function"),
+        ("a * (x + v", "at its end: wants the ')' of what opened at character 5"),
+        ("k x + c )", "at character 9, ')'"),
+    ):
+        assert client.post("/api/typed", json={"law": law}).json()["unfinished"].startswith(words)
+
+
 def test_where_nothing_has_a_name_a_law_is_looked_for_unasked(
     bench: Bench, braked: kc.Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -263,3 +295,16 @@ def test_values_of_a_law_that_are_not_determined_are_said() -> None:
         "c": Estimate(0.1, (-1.0, 1.2), "1", 0.5),
     }
     assert doubt_of(known | unknown) == "not determined: b; may be nothing as well: c"
+
+
+def test_a_value_of_a_law_that_is_not_determined_is_marked_among_the_parameters(braked: kc.Capture) -> None:
+    session = Session()
+    session.take(braked, "braked")
+    typed(session, "2 a (omega/w) / (1 + (omega/w)^2) + q*t", "mine", {"w": 1.3}, quiet)
+    doubts = {one["name"]: one["doubt"] for one in document(session)["params"]}
+    assert doubts["mine.a"] is None and doubts["viscous.pos"] is None
+    assert doubts["mine.q"] == ["may be nothing as well, for the interval holds zero"]
+    session.undo()
+    typed(session, "a*tanh(omega/w)", "other", {"w": 1e-4}, quiet)
+    doubts = {one["name"]: one["doubt"] for one in document(session)["params"]}
+    assert {"param": "coulomb.neg"} in (doubts["other.a"] or [])

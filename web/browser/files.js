@@ -45,7 +45,10 @@ await page.locator("#open-linear").check();
 assert.equal(await page.locator("[name=theta-unit] option[value=deg]").count(), 0, "no angle on an axis that slides");
 await page.locator("#open-rotary").check();
 await asked(/unit is angle/);
+await page.locator("[name=omega]").fill("angle");
 await page.locator("[name=theta-unit]").selectOption("rad");
+assert.equal(await page.locator("[name=omega-unit]").inputValue(), "rad/s", "a velocity is in the position's unit, a second");
+await page.locator("[name=omega]").fill("");
 assert.match(await page.locator("#open-map").textContent(), /over \d+ degrees/); // so that nobody takes degrees for them
 await page.locator("[name=tau-unit]").selectOption("mNm");
 await page.locator("[name=theta-unit]").selectOption("counts");

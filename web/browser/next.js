@@ -36,6 +36,15 @@ const apart = page.locator(`[data-effect=${effect}]`).getByRole("button", { name
 await apart.waitFor({ timeout: 90_000 });
 await picture("21-cannot-be-told");
 
+// Its limits are beside it, before there is a motion.
+const limited = page.locator(`[data-effect=${effect}]`).getByRole("button", { name: /^Limits…/ });
+await limited.click();
+assert.match(await page.locator("#next-headline").textContent(), /^For a motion that tells apart return spring and unbalance\.$/);
+assert.equal(await page.locator("#next-again").textContent(), "Design");
+await itself("21-limits");
+await page.getByText("Within which limits").click();
+await page.locator("#next-close").click();
+
 // Given up: nothing is shown, nothing has changed.
 // In the page itself, as it takes less than a second.
 await page.evaluate(() => {

@@ -82,7 +82,8 @@ class App {
       take: (/** @type {string} */ effect) => this.ask("add", { effect }, "add"),
       ask: () => this.ask("diagnose"),
       about: (/** @type {import("./types.js").Effect} */ effect) => this.about(effect),
-      apart: (/** @type {string[]} */ effects) => this.next.design(effects),
+      apart: (/** @type {string[]} */ effects) => void this.next.design(effects),
+      bounds: (/** @type {string[]} */ effects) => this.next.bounds(effects),
     };
     this.candidates = new Candidates(byId("candidates"), deeds, "Add");
     this.laws = new Laws(byId("laws"), {

@@ -5,6 +5,7 @@ import { fitFormulas, lawOf } from "./math.js";
 import { listed, titleOf } from "./names.js";
 import { number, percent } from "./numbers.js";
 import { nodes, sentence } from "./said.js";
+import { apartButton, boundsButton } from "./untold.js";
 
 /** @typedef {import("./types.js").Candidate} Candidate */
 /** @typedef {import("./types.js").State} State */
@@ -15,7 +16,8 @@ export class Candidates {
   /**
    * @param {HTMLElement} place
    * @param {{look: (effect: string | null) => void, take: (effect: string) => void, ask?: () => void,
-   *   about?: (row: Candidate) => void, apart?: (effects: string[]) => void}} deeds
+   *   about?: (row: Candidate) => void, apart?: (effects: string[]) => void,
+   *   bounds?: (effects: string[]) => void}} deeds
    * @param {string} taking what it is called to take one
    */
   constructor(place, deeds, taking) {
@@ -113,12 +115,10 @@ export class Candidates {
    */
   untold({ effect, equivalent }) {
     if (equivalent.length === 0) return null;
-    const apart = make("button", {
-      ...{ type: "button", text: "Tell apart…", "aria-label": `Tell apart… ${titleOf(effect)}` },
-      ...{ title: "design the motion that would tell", on: { click: () => this.deeds.apart?.([effect, ...equivalent]) } },
-    });
-    const others = listed(equivalent, ", ");
-    return make("span", { class: "alike soft" }, "this capture cannot tell it from ", ...others, " ", this.deeds.apart ? apart : null);
+    const { apart, bounds } = this.deeds;
+    const [all, title] = [[effect, ...equivalent], titleOf(effect)];
+    const buttons = apart && bounds ? [apartButton(all, apart, title), " ", boundsButton(all, bounds, title)] : [];
+    return make("span", { class: "alike soft" }, "this capture cannot tell it from ", ...listed(equivalent, ", "), " ", ...buttons);
   }
 
   /** Go to an effect. @param {string} effect */
@@ -174,7 +174,7 @@ function outWords({ effect, error_fall: fall }) {
 
 /** @param {Candidate} row @param {import("./said.js").About} about */
 function evidence(row, about) {
-  const chance = row.p_value <= 0.001 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
+  const chance = row.p_value <= 0.001 ? "p\u00a0≤\u00a00.001" : `p\u00a0=\u00a0${number(row.p_value, 2)}`;
   return `${sentence(row.said, about)} (${chance})`;
 }
 

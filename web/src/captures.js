@@ -3,7 +3,7 @@
 import { ask } from "./api.js";
 import { make } from "./dom.js";
 import { thousands } from "./numbers.js";
-import { adviceOf, aboutOf, sentence } from "./said.js";
+import { aboutOf, adviceOf, nodes, sentence } from "./said.js";
 
 /** @typedef {import("./types.js").State} State */
 /** @typedef {import("./types.js").CaptureInfo} CaptureInfo */
@@ -127,7 +127,7 @@ export function showFindings(place, { captures, active, limitations, notes, job 
     return own.map((one) => finding(one, { id, name: several ? `${short.get(id)}: ` : "", job }, about, deeds));
   });
   found.push(...[...every.values()].map((one) => finding(one, all, about, deeds)));
-  const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
+  const missing = limitations.map((said) => make("li", { class: "soft" }, "Cannot be told: ", ...nodes(said, about)));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
   const open = place.querySelector("details")?.open ?? false;
   const own = found.length > FEW ? [folded(found, told, open)] : found;

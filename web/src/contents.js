@@ -105,7 +105,7 @@ export function rowsOf(data, view, widest) {
       picked: series.findIndex(({ colour }) => colour === "--measured"), // what is not fitted is not taken by a brush
       xAxis: { ...common.xAxis, label: "" }, // where it is chosen it stands already
       yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}${slow}, ${scale.unit}${beyondWords(measured, lowest, highest)}` },
-      title: part ? `what depends on ${along} alone` : `${word} over ${axis.words}`,
+      title: part ? `what depends on ${along} alone` : `${word} over ${axisWord(along, data.unit)}`,
       series,
       noise: null,
     };
@@ -155,13 +155,22 @@ function axisOf(along, x, data) {
 }
 
 /**
+ * What an axis is called where what moves the knob is in this unit; one that is none by its name.
+ * @param {string} along
+ * @param {string} unit
+ */
+export function axisWord(along, unit) {
+  return along === "load" ? `modelled ${torqueWord(unit)}` : (AXES[/** @type {Along} */ (along)]?.words ?? along);
+}
+
+/**
  * An axis with its unit, in words.
  * @param {Along} along
  * @param {{unit: string, coordinate: "rotary" | "linear"}} data
  */
 export function labelOf(along, { unit, coordinate }) {
-  const { words, units } = AXES[along];
-  return `${words}, ${units ? units[coordinate === "linear" ? 1 : 0] : unit}`;
+  const { units } = AXES[along];
+  return `${axisWord(along, unit)}, ${units ? units[coordinate === "linear" ? 1 : 0] : unit}`;
 }
 
 /**

@@ -1,7 +1,7 @@
 /** What a next experiment promises: its evidence as bars, its headline and its limits in words. */
 
 import { make } from "./dom.js";
-import { motionWords, number, percent, torqueWord } from "./numbers.js";
+import { motionWords, number, torqueWord } from "./numbers.js";
 import { nodes } from "./said.js";
 
 /** @typedef {import("./types.js").Experiment} Experiment */
@@ -82,7 +82,7 @@ export function bars({ names, d, standard_d, wrong_choice, came }, about, told) 
       make("span", { class: "figure", text: value > MOST_D ? `> ${MOST_D}` : number(value), title: number(value) }),
     );
   };
-  const wrong = wrong_choice < 1e-3 ? "less than 0.1 %" : percent(wrong_choice);
+  const wrong = wrong_choice < 1e-4 ? "less than 0.01 %" : `${number(100 * wrong_choice, 2)} %`;
   return [
     make("p", {}, make("strong", {}, ...nodes(names[0], about), " or ", ...nodes(names[1], about)), `: the wrong one is chosen in ${wrong}`),
     row("this motion", d, "promised"),

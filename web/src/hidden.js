@@ -45,7 +45,7 @@ export async function showHidden({ captures, active }) {
 function showStanding({ hints, more, wrong, found, hidden, solved, given_up, sealed, score }) {
   document.body.classList.toggle("sealed", sealed);
   byId("unseal").hidden = !sealed;
-  byId("hides").classList.toggle("well", solved && !given_up);
+  byId("challenge-said").classList.toggle("well", solved && !given_up);
   byId("challenge-score").textContent = `${score} points`;
   byId("challenge-said").textContent = standingWords({ wrong, found, hidden, solved, given_up });
   byId("challenge-hints").replaceChildren(...hints.map((text) => make("li", { text })));

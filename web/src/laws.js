@@ -2,10 +2,10 @@
 
 import { curveWords, drawCurve, variableOf } from "./curve.js";
 import { byId, make } from "./dom.js";
-import { writtenOf } from "./names.js";
+import { fitFormulas, lawOf } from "./math.js";
 import { aboutOf, nodes } from "./said.js";
 import { drawSurface, surfaceWords } from "./surface.js";
-import { number as written, percent, torqueScale } from "./numbers.js";
+import { number as written, percent, torqueScale, torqueWord } from "./numbers.js";
 
 /** @typedef {import("./types.js").Law} Law */
 /** @typedef {import("./types.js").State} State */
@@ -27,6 +27,7 @@ export class Laws {
     this.about = null;
     new ResizeObserver(() => this.draw()).observe(byId("curve"));
     new ResizeObserver(() => this.draw()).observe(byId("surface"));
+    new ResizeObserver(() => fitFormulas(place)).observe(place);
     const form = /** @type {HTMLFormElement} */ (byId("own-form"));
     form.addEventListener("submit", async (event) => {
       event.preventDefault();
@@ -111,6 +112,7 @@ export class Laws {
     this.shown = shown;
     byId("own").hidden = node === null;
     this.about = { curve, surface, ...aboutOf(state) };
+    showHow(this.about);
     this.draw();
     const nothing = candidates.rows.length === 0 && candidates.unexplained === null; // is left, nor could be missing
     if (!candidates.ready || node === null || (proposed === null && nothing)) {
@@ -122,19 +124,17 @@ export class Laws {
       });
       this.place.replaceChildren(make("p", {}, ask));
     } else {
-      const { coordinate } = this.about;
-      const said = proposed_said.map((part) => (typeof part === "string" ? writtenOf(part, coordinate) : part));
       const list = proposed.map((law, at) => this.item(law, at + 1, rmse ?? law.rmse));
       this.place.replaceChildren(
-        make("p", { class: "soft small", role: "status" }, ...nodes(said, this.about)),
+        make("p", { class: "soft small", role: "status" }, ...nodes(proposed_said, this.about)),
         ...(list.length > 0 ? [make("ul", { class: "laws", "aria-label": "laws that are proposed" }, ...list)] : []),
       );
+      fitFormulas(this.place);
     }
   }
 
   /** @param {Law} row @param {number} number @param {number} rmse what is left without it */
   item({ label, law, variables, words, doubt, rmse: left, start }, number, rmse) {
-    const coordinate = this.about?.coordinate ?? "rotary";
     const of = `of ${variables.map(variableOf).join(", ")}`;
     const edit = make("button", {
       ...{ type: "button", text: "Edit…", "aria-label": `edit law ${number}`, title: "as a formula of your own" },
@@ -164,13 +164,25 @@ export class Laws {
     return make(
       "li",
       { class: "law", on: { pointerenter: look, pointerleave: away, focusin: look, focusout: away } },
-      make("code", { text: `${number}. ${writtenOf(label, coordinate)}`, title: `typed as ${law}` }),
+      // What is drawn by splines has a name, and no formula that anybody reads.
+      make("div", { class: "written", title: `typed as ${law}` }, `${number}.`, label === law ? lawOf({ latex: "", law }) : make("span", { text: label })),
       make("span", { class: "figure", text: percent(left / rmse - 1), title: "fall of the RMS error" }),
       make("span", { class: "soft", text: [...words, of].join("; ") }),
       doubt ? make("span", { class: "doubt", text: `⚠ ${doubt}` }) : null,
       form,
     );
   }
+}
+
+/** Say how a formula of these captures is typed. @param {import("./said.js").About} about */
+function showHow(about) {
+  const slides = about.coordinate === "linear";
+  const [place, speed, change] = slides ? ["x", "v", "dv/dt"] : ["theta", "omega", "alpha"];
+  const word = torqueWord(about.unit);
+  byId("own-word").textContent = `${word.slice(0, 1).toUpperCase()}${word.slice(1)}`;
+  byId("own-how").textContent = `It answers the ${word} in ${about.unit}, of t, ${place}, ${speed}, ${change}, direction and s, the way since a reversal; abs(load)*sign(${speed}) is friction under a load; every other name is a parameter.`;
+  const law = /** @type {HTMLInputElement} */ (/** @type {HTMLFormElement} */ (byId("own-form")).elements.namedItem("law"));
+  law.placeholder = `2 a (${speed}/w) / (1 + (${speed}/w)^2)`;
 }
 
 /** Put a law where formulas are typed. @param {string} law @param {string} start */

@@ -1,7 +1,7 @@
 /** The linked plots: torque over three axes that a person chooses, the residual of each beside it. */
 
 import { brushable } from "./brush.js";
-import { AXES, USUAL, alongFrequency, labelOf, reachOf, rowsOf, samplesIn } from "./contents.js";
+import { AXES, USUAL, alongFrequency, axisWord, labelOf, reachOf, rowsOf, samplesIn } from "./contents.js";
 import { pointing } from "./cursor.js";
 import { make } from "./dom.js";
 import { number, percent, thousands, torqueScale } from "./numbers.js";
@@ -150,7 +150,7 @@ export class Linked {
       for (const element of [this.residuals[at].element, this.pickers[at]]) element.classList.toggle("wide", along === "frequency");
       for (const kind of [0, 2]) this.rows[at][kind].element.toggleAttribute("hidden", along === "frequency");
       for (const [kind, plot] of this.rows[at].entries()) {
-        plot.element.setAttribute("aria-label", kinds[kind].replace("%", AXES[along].words));
+        plot.element.setAttribute("aria-label", kinds[kind].replace("%", axisWord(along, data.unit)));
         if (along === this.axes[at]) continue;
         plot.setRegion(null);
         this.heights.delete(plot);

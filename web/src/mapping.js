@@ -60,7 +60,10 @@ export class Mapping {
       const field = { name, target, text, unit, range };
       text.addEventListener("focus", () => (this.at = text));
       text.addEventListener("input", () => this.tell());
-      unit.addEventListener("change", () => this.chose(unit.value));
+      unit.addEventListener("change", () => {
+        if (name === "theta") this.follow(unit.value);
+        this.chose(unit.value);
+      });
       place.append(make("div", {}, make("span", { text: target.words }), text, unit, name === "theta" ? this.per : null, range));
       return field;
     });
@@ -182,6 +185,14 @@ export class Mapping {
     const known = KINDS.some((kind) => field.target.units[kind].includes(unit));
     field.unit.value = known ? unit : "";
     this.chose(field.unit.value);
+  }
+
+  /** What a position is in is most often what its velocity is in a second: filled in where nothing is yet. @param {string} unit */
+  follow(unit) {
+    for (const [name, following] of [["omega", `${unit}/s`], ["alpha", `${unit}/s^2`]]) {
+      const field = this.fields.find((one) => one.name === name);
+      if (field && field.text.value.trim() && !field.unit.value) this.measure(field, following);
+    }
   }
 
   /** A unit was chosen: one of a length says that the axis slides. @param {string} unit */

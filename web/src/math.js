@@ -1,6 +1,7 @@
 /** Laws as they are printed: the LaTeX of the catalogue as MathML, which browsers draw by themselves. */
 
 import { make } from "./dom.js";
+import { latexOf } from "./formula.js";
 
 /** Letters and signs by their names. @type {Record<string, string>} */
 const SIGNS = {
@@ -27,11 +28,11 @@ function typeset(latex) {
 }
 
 /**
- * The law of an effect, typeset where its LaTeX is known.
+ * The law of an effect, typeset where its LaTeX is known, or it is one that was typed.
  * @param {{latex: string, law: string}} effect
  */
 export function lawOf({ latex, law }) {
-  const typed = typeset(latex);
+  const typed = typeset(latex || (latexOf(law) ?? ""));
   return typed ? make("div", { class: "formula" }, typed) : make("code", { class: "formula", text: law });
 }
 

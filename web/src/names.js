@@ -26,7 +26,8 @@ export function titleOf(effect) {
 /** A parameter in words: what it is, and of which effect. @param {string} name `effect.parameter` */
 export function paramOf(name) {
   const [effect, ...own] = name.split(".");
-  const [words, title] = [meanings[name] || own.join("."), titleOf(effect)];
+  const [words] = (meanings[name] || own.join(".")).split(", "); // what is more about it stands in the table
+  const title = titleOf(effect);
   return words.includes(title) ? words : `${words} (${title})`;
 }
 
@@ -38,12 +39,4 @@ export function named(words, id) {
 /** Several effects in words, between these. @param {string[]} effects @param {string} between */
 export function listed(effects, between) {
   return effects.flatMap((effect, at) => [at > 0 ? between : "", named(titleOf(effect), effect)]);
-}
-
-/** @type {Record<string, string>} */
-const SLIDES = { theta: "x", omega: "v", alpha: "dv/dt" };
-
-/** A law as it is written of an axis: of one that slides by x and v, though it is typed by theta and omega. @param {string} law @param {"rotary" | "linear"} coordinate */
-export function writtenOf(law, coordinate) {
-  return coordinate === "linear" ? law.replaceAll(/\b(theta|omega|alpha)\b/g, (name) => SLIDES[name]) : law;
 }

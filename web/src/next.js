@@ -1,16 +1,18 @@
 /** The next experiment: the motion that would tell candidates apart, over what was recorded; recorded, told. */
 
-import { Refusal, ask, fetchBytes, post, wordsOf } from "./api.js";
+import { Refusal, fetchBytes, post, wordsOf } from "./api.js";
 import { limits } from "./axes.js";
 import { byId, make } from "./dom.js";
 import { bars, inFormWords, ofLimits } from "./evidence.js";
 import { Metronome } from "./metronome.js";
+import { listed } from "./names.js";
 import { motionWords, number, torqueScale, torqueWord } from "./numbers.js";
 import { Plot } from "./plot.js";
-import { aboutOf, nodes } from "./said.js";
+import { Port } from "./port.js";
+import { aboutOf, nodes, sentence } from "./said.js";
 import { decode } from "./store.js";
 import { timed } from "./timing.js";
-import { insteadOf, showUntold } from "./untold.js";
+import { alikeOf, insteadOf, showUntold } from "./untold.js";
 import { Within } from "./within.js";
 
 /** @typedef {import("./types.js").Experiment} Experiment */
@@ -29,7 +31,8 @@ export class Next {
   constructor(deeds) {
     this.deeds = deeds;
     this.metronome = new Metronome(deeds.where);
-    this.within = new Within(() => this.design(this.effects ?? this.rivals));
+    this.within = new Within(() => this.again());
+    this.port = new Port((how) => this.attempt(how), () => this.metronome.begin());
     this.plots = ["angle over time", "velocity over angle", "torques of the rivals"].map(
       (name) => new Plot(`${name} of the next experiment`, () => {}),
     );
@@ -41,9 +44,8 @@ export class Next {
     /** @type {Promise<unknown> | null} what brings it */
     this.loading = null;
     this.drawn = "";
-    /** @type {number | null} the fault that a rig has told */
-    this.fault = null;
-    this.by_hand = false;
+    /** @type {string[] | undefined} the effects that a motion was asked for last */
+    this.effects = undefined;
     this.buttons();
     new ResizeObserver(() => this.draw()).observe(byId("next-plots"));
   }
@@ -52,20 +54,11 @@ export class Next {
     byId("next-show").addEventListener("click", () => (this.told ? this.open() : this.design([])));
     byId("next-close").addEventListener("click", () => this.close());
     byId("next-record").addEventListener("click", () => this.attempt({}));
-    byId("next-port").addEventListener("click", () => this.askPort(false));
+    byId("next-port").addEventListener("click", () => this.port.ask(false));
     byId("next-hand").addEventListener("click", () => this.lead());
     byId("next-file").addEventListener("click", () => this.save());
     byId("lead-record").addEventListener("click", () => this.recordHand());
-    byId("rig-close").addEventListener("click", () => rig().close());
-    byId("rig-form").addEventListener("submit", (event) => {
-      event.preventDefault();
-      this.fromPort({});
-    });
-    byId("rig-clear").addEventListener("click", () => this.fromPort({ clear_fault: this.fault }));
-    byId("next-bounds").addEventListener("click", () => {
-      this.open();
-      /** @type {HTMLDetailsElement} */ (byId("next-within")).open = true;
-    });
+    byId("next-bounds").addEventListener("click", () => this.bounds());
   }
 
   /** @returns {Experiment | null} */
@@ -77,6 +70,28 @@ export class Next {
   get rivals() {
     const rivals = this.told?.rivals ?? [];
     return rivals.length > 1 ? rivals.map((rival) => effectsOf(rival).at(-1) ?? "") : [];
+  }
+
+  /** Which effects a motion would be for that is designed within other limits. @returns {string[]} */
+  get asked() {
+    return this.effects ?? (this.told || !this.state ? this.rivals : alikeOf(this.state));
+  }
+
+  /** Show the limits, before there is a motion as well. @param {string[]} [effects] that it would be for */
+  bounds(effects) {
+    if (effects) this.effects = effects;
+    this.open();
+    /** @type {HTMLDetailsElement} */ (byId("next-within")).open = true;
+  }
+
+  /** Design within the limits as they are now; where a motion waits for what is missing, they are kept for it. */
+  again() {
+    return this.waits ? this.close() : this.design(this.asked);
+  }
+
+  /** Whether there is nothing yet that a motion could be designed for. */
+  get waits() {
+    return this.state !== null && this.told === null && this.asked.length === 0 && insteadOf(this.state) !== "";
   }
 
   /**
@@ -140,6 +155,7 @@ export class Next {
 
   /** @param {State} state */
   show(state) {
+    if (this.state?.node !== state.node) this.effects = undefined; // what was asked of another model
     this.state = state;
     showUntold(byId("untold"), state, (effects) => this.design(effects));
     const { experiment, node, recording, candidates } = state;
@@ -147,14 +163,15 @@ export class Next {
     byId("next-show").textContent = experiment ? "Next experiment…" : "What to record next…";
     const instead = experiment === null ? insteadOf(state) : "";
     byId("next-show").hidden = instead !== "";
-    byId("next-bounds").hidden = instead !== "";
     byId("next").classList.toggle("without", experiment === null);
     if (node === null) byId("next").hidden = true;
     this.within.show(state);
     if (experiment === null) {
       byId("next-said").textContent = instead;
-      for (const id of ["next-time", "next-headline", "next-verdict"]) byId(id).textContent = "";
-      byId("next-again").textContent = "Design";
+      for (const id of ["next-time", "next-verdict"]) byId(id).textContent = "";
+      const { asked } = this;
+      byId("next-headline").replaceChildren(...(asked.length > 1 ? ["For a motion that tells apart ", ...allOf(asked), "."] : [instead]));
+      byId("next-again").textContent = this.waits ? "Keep" : "Design";
       return;
     }
     // How it moves is told where it is shown.
@@ -191,7 +208,7 @@ export class Next {
     const led = tempi.size === 1 ? ` at ${[...tempi][0]} beats a minute` : "";
     byId("next-can").textContent = by_hand ? `By hand, led by a metronome${led}` : "For a motor";
     byId("next-no-hand").hidden = by_hand;
-    byId("next-steps").replaceChildren(...(by_hand ? steps : []).map(({ words }) => make("li", {}, words)));
+    byId("next-steps").replaceChildren(...(by_hand ? steps : []).map(({ words }) => make("li", {}, sentence([words], about))));
   }
 
   /** @param {Experiment} experiment @param {State} state */
@@ -258,49 +275,12 @@ export class Next {
     return true;
   }
 
-  /** Ask for the port of a rig. @param {boolean} by_hand */
-  async askPort(by_hand) {
-    this.by_hand = by_hand;
-    byId("rig-said").textContent = "";
-    byId("rig-fault").hidden = true;
-    byId("rig-warning").hidden = by_hand;
-    try {
-      // Known before the dialog is there: what is suggested must not come into what is typed meanwhile.
-      /** @type {import("./types.js").Sources} */
-      const known = await ask("sources");
-      byId("rig-ports").replaceChildren(...known.ports.map(({ port, words }) => make("option", { value: port, text: words })));
-      const [port, folder] = ["port", "folder"].map((name) => field("rig-form", name));
-      if (!port.value && known.ports.length === 1) port.value = known.ports[0].port;
-      if (!folder.value) folder.value = known.folder;
-    } catch (reason) {
-      byId("rig-said").textContent = wordsOf(reason);
-    }
-    rig().showModal();
-  }
-
-  /** @param {Record<string, unknown>} more */
-  async fromPort(more) {
-    const [port, folder] = ["port", "folder"].map((name) => field("rig-form", name).value);
-    byId("rig-said").textContent = "";
-    byId("rig-fault").hidden = true;
-    try {
-      await this.attempt({ port: port || " ", folder, by_hand: this.by_hand, ...more });
-      rig().close();
-      if (this.by_hand) this.metronome.begin();
-    } catch (reason) {
-      const fault = reason instanceof Refusal ? reason.fault : null;
-      this.fault = fault?.code ?? null;
-      byId("rig-said").textContent = fault?.told ?? wordsOf(reason);
-      byId("rig-fault").hidden = fault === null;
-    }
-  }
-
   /** Lead a hand through the motion; where it is for a motor, through one that a hand can make. */
   async lead() {
     if (this.told && !this.told.by_hand) {
       /** @type {HTMLInputElement} */ (byId("next-only-hand")).checked = true;
       this.within.read();
-      if (!(await this.design(this.effects ?? this.rivals))) return;
+      if (!(await this.design(this.asked))) return;
     }
     await this.loading;
     const { told, motion, state } = this;
@@ -311,7 +291,7 @@ export class Next {
   /** Record while the hand is led: from the rig of before, or from one that is asked for. */
   async recordHand() {
     const source = this.told?.source ?? "";
-    if (!source.startsWith("the rig") && !source.startsWith("an emulated")) return this.askPort(true);
+    if (!source.startsWith("the rig") && !source.startsWith("an emulated")) return this.port.ask(true);
     if (await this.attempt({ by_hand: true })) this.metronome.begin();
   }
 
@@ -326,16 +306,6 @@ export class Next {
       this.deeds.failed(reason);
     }
   }
-}
-
-function rig() {
-  return /** @type {HTMLDialogElement} */ (byId("rig-dialog"));
-}
-
-/** @param {string} form @param {string} name */
-function field(form, name) {
-  const { elements } = /** @type {HTMLFormElement} */ (byId(form));
-  return /** @type {HTMLInputElement} */ (elements.namedItem(name));
 }
 
 /** @param {[number, number]} ends @param {string} label */
@@ -374,6 +344,11 @@ function clouds(x, y, [before, motion]) {
       { colour: motion, chosen: null, y: fresh, strength: 1 },
     ],
   };
+}
+
+/** @param {string[]} effects at least two of them */
+function allOf(effects) {
+  return [...listed(effects.slice(0, -1), ", "), " and ", ...listed(effects.slice(-1), "")];
 }
 
 /** @param {(Node | string)[]} name @param {number} at */

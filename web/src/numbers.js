@@ -29,7 +29,7 @@ export function thousands(many) {
 export function percent(share) {
   if (!Number.isFinite(share)) return "–";
   const text = (100 * share).toFixed(share > 0 && share < 0.1 ? 1 : 0);
-  return `${Number(text) === 0 ? "0" : text} %`.replaceAll("-", "−");
+  return `${Number(text) === 0 ? "0" : text}\u00a0%`.replaceAll("-", "−");
 }
 
 /**

@@ -49,13 +49,19 @@ export class Params {
     const focused = document.activeElement?.getAttribute("data-param");
     this.rows.clear();
     const groups = Map.groupBy(params, ({ name }) => name.split(".")[0]);
-    const lines = [...groups].flatMap(([effect, own]) => [
-      this.heading(effect, groups.size > 1),
-      ...own.flatMap((param) => {
-        const doubt = param.doubt ? sentence(withoutName(param.doubt, param.name), about).trim() : "";
-        return [this.line(param, doubt, scaleOf(param.unit, about)), own.length <= WORDED ? this.meaning(param) : "", reason(doubt)];
-      }),
-    ]);
+    const lines = [...groups].flatMap(([effect, own]) => {
+      const doubts = own.map(({ name, doubt }) => (doubt ? sentence(withoutName(doubt, name), about).trim() : ""));
+      const shared = sharedDoubts(own, doubts);
+      return [
+        this.heading(effect, groups.size > 1),
+        ...[...shared].map(([doubt, names]) => reason(`${names.join(", ")}: ${doubt}`)),
+        ...own.flatMap((param, at) => [
+          this.line(param, doubts[at], scaleOf(param.unit, about)),
+          own.length <= WORDED ? this.meaning(param) : "",
+          shared.has(doubts[at]) ? "" : reason(doubts[at]),
+        ]),
+      ];
+    });
     const widths = make("colgroup", {}, ...["name", "slide", "value", "unit"].map((name) => make("col", { class: name })));
     this.place.replaceChildren(make("table", { class: "params" }, widths, make("tbody", {}, ...lines)));
     if (focused) this.rows.get(focused)?.slider.focus();
@@ -97,7 +103,7 @@ export class Params {
 
   /** What a parameter is, below it. @param {Param} param */
   meaning({ name, meaning: words }) {
-    if (!words) return "";
+    if (!words || name.endsWith(`.${words}`)) return ""; // of a law of one's own there are its letters alone
     return make("tr", {}, make("td", { class: "meaning soft", colspan: 4 }, words, this.rows.get(name)?.apart ?? ""));
   }
 
@@ -125,6 +131,17 @@ export function apart({ name, unit, value }) {
 /** A sentence without the parameter that it begins with, below which it stands. @param {import("./said.js").Part[]} said @param {string} name */
 function withoutName([first, ...rest], name) {
   return typeof first === "object" && "param" in first && first.param === name ? rest : [first, ...rest];
+}
+
+/**
+ * What is doubted alike of several values of an effect, with their letters: it is said once.
+ * @param {Pick<Param, "name">[]} own
+ * @param {string[]} doubts of each, empty for none
+ */
+export function sharedDoubts(own, doubts) {
+  const letters = own.map(({ name }) => name.split(".").slice(1).join("."));
+  const several = new Set(doubts.filter((doubt, at) => doubt !== "" && doubts.indexOf(doubt) !== at));
+  return new Map([...several].map((doubt) => [doubt, letters.filter((_, at) => doubts[at] === doubt)]));
 }
 
 /** Why a value is doubted, below it. @param {string} doubt */
@@ -158,7 +175,8 @@ function span({ fitted, ci95, lower, upper }) {
  * @param {number} [factor] from SI to the unit that is shown
  */
 export function plusMinus({ ci95, role }, factor = 1) {
-  if (!ci95) return role === "fixed" ? "fixed" : "± ?";
+  if (role === "fixed") return "fixed";
+  if (!ci95) return "± ?";
   return ci95[1] > ci95[0] ? `± ${number(0.5 * factor * (ci95[1] - ci95[0]), 2)}` : "";
 }
 

@@ -1,6 +1,6 @@
 /** Sentences of the program: words, and what stands in them as this page writes it, in its units and by its names. */
 
-import { AXES } from "./contents.js";
+import { axisWord } from "./contents.js";
 import { named, paramOf, titleOf } from "./names.js";
 import { motionWords, number, scaleOf, torqueWord, unitWords } from "./numbers.js";
 
@@ -39,7 +39,7 @@ export function wordsOfPart(part, about) {
   if (typeof part === "string") return part.replaceAll(/(?<=^|[\s(])-(?=\d)/g, "−");
   if ("text" in part) return measured(part, about);
   if ("low" in part) return stretch(part, about);
-  if ("along" in part) return axisWord(part.along);
+  if ("along" in part) return axisWord(part.along, about.unit);
   if ("effect" in part) return titleOf(part.effect);
   if ("param" in part) return paramOf(part.param);
   if ("column" in part) return columnWord(part.column, about);
@@ -86,11 +86,6 @@ function stretch({ low, high, unit, direction }, about) {
   const scale = scaleOf(unit, about);
   const [from, to] = [low, high].map((end) => number(end * scale.factor, 4));
   return `${from} to ${to} ${unitWords(scale.unit)}${DIRECTIONS.get(direction) ?? ""}`;
-}
-
-/** @param {string} axis */
-function axisWord(axis) {
-  return AXES[/** @type {import("./contents.js").Along} */ (axis)]?.words ?? axis;
 }
 
 /** What a column of a capture is called. @param {string} column @param {About} about */

@@ -48,7 +48,7 @@ export function beside(added, [first, ...rest]) {
   const names = added.map(titleOf);
   const all = names.length > 1 ? `${names.slice(0, -1).join(", ")} and ${names.at(-1)}` : names[0];
   const begun = typeof first === "string" ? `${first.slice(0, 1).toLowerCase()}${first.slice(1)}` : first;
-  return [`With ${all} added: `, begun, ...rest];
+  return [`With ${all} added, `, begun, ...rest];
 }
 
 /**

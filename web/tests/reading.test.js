@@ -43,7 +43,7 @@ test("a verdict begins with what is missing in plain words, and with what to do 
   const led = [];
   const to = /** @type {any} */ ({ add: (/** @type {string} */ one) => led.push(one), apart: (/** @type {string[]} */ all) => led.push(all.join()) });
   const said = (/** @type {any} */ candidates) => plainly(candidates, KNOB, to).map((part) => (typeof part === "string" ? part : part.words)).join("");
-  assert.equal(said({ ready: true, rows: [row] }), "Missing: there are detents (detent), which takes 60 % off the error. Add it, and see what is left.");
+  assert.equal(said({ ready: true, rows: [row] }), "Missing: there are detents (detent), which takes 60\u00a0% off the error. Add it, and see what is left.");
   const unsettled = { ready: true, rows: [{ ...row, unsettled: "none of its values is determined: each may be nothing as well" }] };
   assert.match(said(unsettled), /off the error\. But none of its values is determined: .*\. Add it to see what is left, not for its values\.$/);
   const tied = { ready: true, rows: [{ ...row, equivalent: ["position_polynomial"] }] };
@@ -56,8 +56,8 @@ test("a verdict begins with what is missing in plain words, and with what to do 
 
 test("a headline says what was added to the model that it is of", () => {
   known({ titles: { torque_drift: "torque drift" } });
-  assert.deepEqual(beside(["detent", "torque_drift", "law"], ["What is left", " is chance."]), ["With detent, torque drift and law added: ", "what is left", " is chance."]);
-  assert.deepEqual(beside(["torque_drift"], ["Missing: there are detents"]), ["With torque drift added: ", "missing: there are detents"]);
+  assert.deepEqual(beside(["detent", "torque_drift", "law"], ["What is left", " is chance."]), ["With detent, torque drift and law added, ", "what is left", " is chance."]);
+  assert.deepEqual(beside(["torque_drift"], ["Missing: there are detents"]), ["With torque drift added, ", "missing: there are detents"]);
   assert.deepEqual(beside([], ["Missing"]), ["Missing"]);
   assert.deepEqual(beside(["detent"], []), []);
 });
@@ -73,6 +73,16 @@ test("what to record next waits for what is missing, and says in words what show
   assert.equal(state(true, null, [["detent", "return_spring"]]), "", "and where effects look alike");
 });
 
+test("limits that are typed while something is missing are for what cannot be told from it", async () => {
+  globalThis.location = /** @type {any} */ ({ search: "" });
+  const { alikeOf } = await import("../src/untold.js");
+  const of = (/** @type {string[]} */ equivalent, /** @type {string[][]} */ untold = []) =>
+    alikeOf(/** @type {any} */ ({ candidates: { rows: [{ could_be: false }, { could_be: true, effect: "detent", equivalent }] }, untold }));
+  assert.deepEqual(of(["return_spring"]), ["detent", "return_spring"]);
+  assert.deepEqual(of([]), [], "nothing looks like it");
+  assert.deepEqual(of(["return_spring"], [["backlash", "hysteresis"]]), [], "what came in and was not told is asked for first");
+});
+
 test("the label of an axis gives way to the title of a narrow plot, and keeps its unit", () => {
   const letters = (/** @type {string} */ text) => text.length;
   assert.equal(labelWithin("velocity, m/s", 20, letters), "velocity, m/s");
@@ -83,10 +93,15 @@ test("the label of an axis gives way to the title of a narrow plot, and keeps it
 test("units and numbers of sentences are written as people write them", () => {
   assert.deepEqual(["N s^2/m", "N m s^2/rad", "1", "N m s^2/rad^2"].map(unitWords), ["kg", "kg m²", "", "N m s²/rad²"]);
   known({ titles: { coulomb: "dry friction", inertia: "inertia" }, params: /** @type {any} */ ([
-    { name: "coulomb.neg", meaning: "dry friction moving backward" }, { name: "inertia.M", meaning: "mass" }]) });
+    { name: "coulomb.neg", meaning: "dry friction moving backward, a magnitude" }, { name: "inertia.M", meaning: "mass" }]) });
   assert.equal(paramOf("coulomb.neg"), "dry friction moving backward", "an effect is not named twice");
   assert.equal(paramOf("inertia.M"), "mass (inertia)");
   assert.equal(sentence([{ param: "inertia.M" }, " = -0.1 of -3-fold"], KNOB), "mass (inertia) = −0.1 of −3-fold");
+});
+
+test("what a model makes of a capture is called as what was measured", () => {
+  assert.equal(sentence([{ along: "load" }], KNOB), "modelled torque");
+  assert.equal(sentence([{ along: "load" }], { ...KNOB, unit: "V" }), "modelled voltage");
 });
 
 test("a torque's axis is that of all but a few samples that would have half of it alone", () => {

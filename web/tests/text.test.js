@@ -13,8 +13,8 @@ test("numbers have a true minus and as many digits as they need", () => {
   assert.equal(number(1234.5678, 6), "1234.57");
   assert.equal(number(NaN), "–");
   assert.equal(number(0), "0");
-  assert.equal(percent(0.046), "4.6 %");
-  assert.equal(percent(-0.5), "−50 %");
+  assert.equal(percent(0.046), "4.6\u00a0%");
+  assert.equal(percent(-0.5), "−50\u00a0%");
   assert.deepEqual([0, 999, 1000, 250_000, 1_234_567].map(thousands), ["0", "999", "1,000", "250,000", "1,234,567"]);
 });
 
@@ -85,16 +85,20 @@ test("of requests that pile up only the newest is made", async () => {
 test("a parameter says half its interval, that it is fixed, or that nothing determines it", () => {
   assert.equal(plusMinus({ ci95: [0.9, 1.1], role: "free" }), "± 0.1");
   assert.equal(plusMinus({ ci95: [0.9, 1.1], role: "free" }, 1000), "± 100");
-  assert.equal(plusMinus({ ci95: null, role: "fixed" }), "fixed");
+  for (const ci95 of /** @type {const} */ ([null, [0, 0]])) assert.equal(plusMinus({ ci95: /** @type {any} */ (ci95), role: "fixed" }), "fixed");
   assert.equal(plusMinus({ ci95: null, role: "free" }), "± ?");
   assert.equal(plusMinus({ ci95: [1, 1], role: "free" }), "");
 });
 
-test("a law of an axis that slides is written with its position and velocity, and its variables are words", async () => {
-  const { writtenOf } = await import("../src/names.js");
+test("what is doubted alike of several values of an effect is said once", async () => {
+  const { sharedDoubts } = await import("../src/params.js");
+  const own = ["presliding.s", "presliding.w1", "presliding.w2"].map((name) => ({ name }));
+  assert.deepEqual([...sharedDoubts(own, ["may be nothing", "", "may be nothing"])], [["may be nothing", ["s", "w2"]]]);
+  assert.deepEqual([...sharedDoubts(own, ["at its bound", "", "may be nothing"])], []);
+});
+
+test("the variables of a law are words", async () => {
   const { variableOf } = await import("../src/curve.js");
-  assert.equal(writtenOf("a*sin(theta/P) + b*omega^2", "linear"), "a*sin(x/P) + b*v^2");
-  assert.equal(writtenOf("a*omega", "rotary"), "a*omega");
   assert.deepEqual(["theta", "omega", "s", "load"].map(variableOf), ["position", "velocity", "distance since reversal", "modelled torque"]);
 });
 

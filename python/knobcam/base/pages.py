@@ -251,7 +251,7 @@ class Session(TypedDict):
     ladder: list[LadderStep]
     candidates: Candidates
     warnings: list[str]
-    limitations: list[str]
+    limitations: list[list[Part]]
     titles: dict[str, str]
     absent: list[Effect]
     untold: list[list[str]]

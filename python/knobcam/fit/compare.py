@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from .. import _core
 from ..base import showing
 from ..base.door import checked
-from ..base.said import OfAxis, Said, Stretch, Topic, joined, number, said
+from ..base.said import OfAxis, Quantity, Said, Stretch, Topic, joined, number, said
 from ..base.tables import TextTable, text_table
 from . import origin
 from .described import names
@@ -34,6 +34,8 @@ _UNITS = {
     "frequency": ("Hz", "Hz"),
     "history": ("rad", "m"),
 }
+_NEARLY = 99.95  # per cent, which a decimal rounds up to all
+_ROUNDING = 1e-6  # of the torque: what is smaller is not left by a model
 # What any residual fills as well, whatever its cause, leads only with clearly more than the others.
 _WEIGHT = {"frequency": RULE.frequency_leads, "time": RULE.time_leads}
 
@@ -59,6 +61,13 @@ class Figures(NamedTuple):
     def document(self) -> dict[str, float]:
         """Return them as documents have them."""
         return {"rmse": self.rmse, "explained": self.explained, "relative_error": self.relative}
+
+    @property
+    def in_percent(self) -> Quantity:
+        """How much is explained, which is not rounded up to all of it where more than rounding is left."""
+        explained = 100.0 * self.explained
+        nearly = explained > _NEARLY and self.relative > _ROUNDING
+        return Quantity(explained, "%", "more than 99.9" if nearly else f"{explained:.1f}")
 
 
 class Region(NamedTuple):
@@ -207,7 +216,7 @@ class Comparison(showing.Tabled):
             "{error} {rmse}, {explained} of the variance explained, relative error {relative}",
             error=Topic("RMS error", "error"),
             rmse=number(self.fit.rmse, self.fit.torque_unit),
-            explained=number(100.0 * self.figures.explained, "%", ".1f"),
+            explained=self.figures.in_percent,
             relative=number(100.0 * self.figures.relative, "%", ".3g"),
         )
 

@@ -34,14 +34,11 @@ _PLACE = re.compile("phase|rest angle|rest position|stop begins|border|end of th
 def unsettled(effect: Effect, estimates: Mapping[str, Estimate]) -> str:
     """Return which values of an effect its captures do not determine, where that is most of them.
 
-    That is a value whose interval holds zero: as much as nothing of it. Of a phase or a place zero is a value
-    like any other.
+    That is a value whose interval holds zero: as much as nothing of it.
     """
     own = {name.partition(".")[2]: one for name, one in estimates.items() if not one.held}
-    sizes = [name for name in own if not _PLACE.search(effect.parameter(name).meaning)]
-    unknown = [
-        name for name in sizes if not own[name].determined or own[name].ci95[0] <= 0.0 <= own[name].ci95[1]
-    ]
+    sizes = [name for name in own if _is_size(effect, name)]
+    unknown = [name for name in sizes if not own[name].determined or may_be_nothing(effect, name, own[name])]
     if not unknown or 2 * len(unknown) <= len(sizes):
         return ""
     if len(unknown) == len(sizes):
@@ -51,6 +48,17 @@ def unsettled(effect: Effect, estimates: Mapping[str, Estimate]) -> str:
     return (
         f"{len(unknown)} of its {len(sizes)} values {are} not determined, and may be nothing as well: {names}"
     )
+
+
+def may_be_nothing(effect: Effect, name: str, estimate: Estimate) -> bool:
+    """Whether the interval of an effect's parameter holds zero, as much as nothing of it."""
+    known = estimate.determined and not estimate.held
+    return known and _is_size(effect, name) and estimate.ci95[0] <= 0.0 <= estimate.ci95[1]
+
+
+def _is_size(effect: Effect, name: str) -> bool:
+    """Of a phase or a place zero is a value like any other."""
+    return not _PLACE.search(effect.parameter(name).meaning)
 
 
 def at_floor(fit: Fit) -> bool:

@@ -119,7 +119,7 @@ class Experiment(showing.Tabled):
         return said(
             "{seconds:.3g} s tell {names} apart (the wrong one is chosen in {wrong})",
             seconds=self.seconds,
-            names=self._names(worst),
+            names=self._every if len(told) == len(self.expected) else self._names(worst),
             wrong=_percent(worst.wrong_choice),
         )
 
@@ -163,6 +163,11 @@ class Experiment(showing.Tabled):
     def _names(self, one: Expected, between: str = " and ") -> Said:
         names = apart(self.rivals)
         return joined(between, (names[i] for i in one.pair))
+
+    @property
+    def _every(self) -> Said:
+        *head, last = apart(self.rivals)
+        return joined(" and ", (joined(", ", head), last))
 
     def _changed(self) -> str:
         if self.change is None:

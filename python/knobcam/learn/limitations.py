@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ..base.said import OfParam, number, said
 from ..capture.formats.units import SI
 from ..capture.prepare import travel
 from ..fit.doubts import astray, at_floor
@@ -175,8 +176,13 @@ def _one_rate(fit: Fit) -> Limitation | None:
         if abs(fit.correlation[inertia][pull]) > _TOGETHER and known > _HARDLY:
             return Limitation(
                 "one_rate",
-                f"{inertia} and {pull} are known together, and hardly alone (to {100.0 * known:.0f} %): the "
-                "motion swings at one rate, at which either does what the other does",
+                said(
+                    "{inertia} and {pull} are known together, and hardly alone (to {known}): the motion "
+                    "swings at one rate, at which either does what the other does",
+                    inertia=OfParam(inertia),
+                    pull=OfParam(pull),
+                    known=number(100.0 * known, "%", ".0f"),
+                ),
                 "record slow moves over the same way, in which the inertia has no part, or swings at another "
                 "rate",
             )

@@ -7,7 +7,8 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from ..base.said import said
+from ..base.said import OfEffect, said
+from ..base.said import joined as in_words
 from ..capture.prepare import travel
 from ..fit.absent import absent
 from ..fit.diagnose import Candidate, Diagnosis, diagnose, worth_adding
@@ -197,7 +198,8 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
     # Torques of position alone: two of them together draw nearly any map, so together they name no cause.
     maps = [one for one in found if _is_map(one, ladder[-1].fit)]
     if len(maps) > 1:
-        words = f"it takes {' and '.join(maps)} together to draw it, and so many draw any map of position"
+        template = "it takes {names} together to draw it, and so many draw any map of position"
+        words = said(template, names=in_words(" and ", map(OfEffect, maps)))
         # Where they leave chance alone, it is of the error before them that position has a share.
         before = next(step.diagnosis for step in ladder if step.added in maps)
         seen = last if unexplained or before is None else before
@@ -207,7 +209,8 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
     elif unexplained is not None:
         found = tuple(one for one in found if one in mainly)
     elif len(names := [one for one in found if one not in ladder[-1].fit.model.laws]) > RULE.believed:
-        words = f"it takes {', '.join(names)} together to draw it, and so many draw nearly anything"
+        template = "it takes {names} together to draw it, and so many draw nearly anything"
+        words = said(template, names=in_words(", ", map(OfEffect, names)))
         weighed = first_weighed(ladder) or last
         bare = _unexplained(weighed.comparison) or Unexplained("time", 1.0, "")
         found, unexplained = (), bare._replace(hint=words)

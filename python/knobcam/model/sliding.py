@@ -53,6 +53,13 @@ _SLIDES = {
     "shaft": "drive",
 }
 """Longer phrases go before the words in them."""
+_WRITTEN = {"theta": "x", "omega": "v", "alpha": "dv/dt"}
+LAW_NAMES = {written: name for name, written in _WRITTEN.items()}
+"""What laws call the motion, by how that is written of an axis that slides."""
+NAME = re.compile(r"dv/dt\b|[A-Za-z_]\w*")
+"""A name in a law as it is written."""
+_TYPESET = {r"\theta": "x", r"\omega": "v", r"\alpha": r"\dot v", r"\tau": "F", "x": "u"}
+_SYMBOL = re.compile(r"\\(?:theta|omega|alpha|tau)(?![A-Za-z])|(?<![A-Za-z\\])x(?![A-Za-z])")
 _WORDED = ("title", "name", "about", "shows", "causes", "remedies", "meaning")
 _IN_LOWER_CASE = {phrase.lower(): other for phrase, other in _SLIDES.items()}
 _PHRASE = re.compile("|".join(map(re.escape, _SLIDES)), re.IGNORECASE)
@@ -61,7 +68,35 @@ _PHRASE = re.compile("|".join(map(re.escape, _SLIDES)), re.IGNORECASE)
 def sliding(row: dict[str, Any]) -> dict[str, Any]:
     """Return a row of the catalogue, or one of its parameters, in the words for an axis that slides."""
     told = row | {key: _in_words(row[key]) for key in _WORDED if key in row}
+    if "latex" in row:
+        told["latex"] = _SYMBOL.sub(lambda one: _TYPESET[one.group()], row["latex"])
+        if not row["latex"]:
+            told["law"] = written(row["law"], "linear")
     return told | {"params": [sliding(one) for one in row["params"]]} if "params" in row else told
+
+
+def written(law: str, coordinate: str) -> str:
+    """Return a law as it is written of an axis; one of a slide that has a parameter called x, say, as it is.
+
+    >>> written("a*sin(theta/P) + m*alpha", "linear")
+    'a*sin(x/P) + m*dv/dt'
+    """
+    return _renamed(law, _WRITTEN, LAW_NAMES) if coordinate == "linear" else law
+
+
+def read(formula: str, coordinate: str) -> str:
+    """Return the law that is written so; where one of a slide has theta, say, an x in it is a parameter.
+
+    >>> read("a sin(x/P) + m dv/dt", "linear")
+    'a sin(theta/P) + m alpha'
+    """
+    return _renamed(formula, LAW_NAMES, _WRITTEN) if coordinate == "linear" else formula
+
+
+def _renamed(law: str, names: dict[str, str], others: dict[str, str]) -> str:
+    if any(one.group() in others for one in NAME.finditer(law)):
+        return law
+    return NAME.sub(lambda one: names.get(one.group(), one.group()), law)
 
 
 def _in_words(words: str | list[str]) -> str | list[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from collections import Counter
 from html import escape
 from importlib import resources
@@ -20,7 +21,7 @@ from ..model.effects import effect as catalogued
 from .look_page import section
 from .markup import bullets, figure, law, paragraph, style, wide_table
 from .samples import steps
-from .words import effect_word, param_word, sentence, unit_word, worded
+from .words import and_words, effect_word, param_word, sentence, unit_word, worded
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -29,6 +30,9 @@ if TYPE_CHECKING:
     from ..fit.diagnose import Diagnosis
     from ..learn import LearningResult
     from ..learn.ladder import LearningStep
+
+_MINUS = re.compile(r"(?<![\w.-])-(?=\d)")
+"""The hyphen before a number."""
 
 
 def write(learned: LearningResult, path: str | os.PathLike[str]) -> Path:
@@ -80,7 +84,7 @@ def _untold(learned: LearningResult) -> str:
         f"{effect_word(added, kind)} from {effect_word(other, kind)}: either explains these captures"
         for added, other in untold(learned)
     ]
-    said += [one.message for one in learned.limitations]
+    said += [worded(one.message, kind) for one in learned.limitations]
     said += [f"{param_word(name, kind)}: {why}" for name, why in learned.fit.undetermined.items()]
     if learned.unexplained is not None:
         said.append(_unexplained(learned))
@@ -113,8 +117,10 @@ def _found(learned: LearningResult) -> str:
     """Each effect that came in: its law, its values, its evidence."""
     kind = learned.model.coordinate
     if not learned.found:
-        tried = " and ".join(effect_word(step.added, kind) for step in learned.ladder if step.added)
-        why = f"{tried} came in, but cannot be named as the cause" if tried else "no effect was added"
+        tried = [effect_word(step.added, kind) for step in learned.ladder if step.added]
+        why = "no effect was added"
+        if tried:
+            why = f"{and_words(tried)} came in, but cannot be named as the cause"
         return paragraph(f"Nothing of the catalogue: {why}.")
     parts = []
     for step in learned.ladder:
@@ -145,7 +151,7 @@ def _params(caption: str, learned: LearningResult, effect: str | None = None) ->
 
 
 def _worded(rows: Iterable[Sequence[str]], kind: str) -> list[tuple[str, ...]]:
-    return [tuple(worded(cell, kind) for cell in row) for row in rows]
+    return [tuple(_MINUS.sub("−", worded(cell, kind)) for cell in row) for row in rows]
 
 
 def _evidence(step: LearningStep, kind: str) -> str:
@@ -177,11 +183,19 @@ def _why(learned: LearningResult) -> str:
 def _alternatives(learned: LearningResult) -> str:
     """What was weighed on each step, and what looks alike in this capture."""
     parts = []
+    # Effects that came in as a set were weighed once.
+    sets: dict[int, list[str]] = {}
+    for step in learned.ladder:
+        if step.added is not None and step.diagnosis is not None:
+            sets.setdefault(id(step.diagnosis), []).append(effect_word(step.added, learned.model.coordinate))
     for step in learned.ladder:
         if step.added is None or step.diagnosis is None or not step.diagnosis.candidates:
             continue  # what a model brought along was weighed on other captures
         kind = learned.model.coordinate
-        parts.append(f"<h3>Instead of {escape(effect_word(step.added, kind))}</h3>")
+        names = sets.pop(id(step.diagnosis), None)
+        if names is None:
+            continue
+        parts.append(f"<h3>Instead of {escape(and_words(names))}</h3>")
         if step.equivalent:
             names = [step.added, *step.equivalent]
             shows = [f"{effect_word(name, kind)} shows {catalogued(name, kind).shows}" for name in names]
@@ -235,7 +249,7 @@ def _unexplained(learned: LearningResult) -> str:
             f"{effect_word(best.effect, learned.model.coordinate)} could be missing, and is not in the model."
         )
     share = f"{100.0 * what.share:.0f} % of the remaining error variance lies along {what.axis}"
-    return f"{share}; {what.hint}. {does}"
+    return f"{share}; {worded(what.hint, learned.model.coordinate)}. {does}"
 
 
 def _noise(fit: Fit) -> str:

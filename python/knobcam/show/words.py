@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from ..base.said import OfEffect, OfParam, Said
 from ..model.effects import effects
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 _SHORT = {"N s^2/m": "kg", "N m s^2/rad": "kg m²", "1": ""}
 """Units with a shorter name; the radian is left out, as everybody does."""
@@ -19,6 +24,12 @@ def param_word(name: str, coordinate: str) -> str:
     """Return a parameter by its effect's words and its own letters."""
     effect, _, own = name.partition(".")
     return f"{effect_word(effect, coordinate)}: {own}"
+
+
+def and_words(several: Sequence[str]) -> str:
+    """Return several words as one speaks: a, b and c."""
+    *head, last = several
+    return f"{', '.join(head)} and {last}" if head else last
 
 
 def unit_word(unit: str) -> str:

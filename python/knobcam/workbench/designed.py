@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base import pages_next
-from ..base.said import OfParam, Said, joined, said
+from ..base.said import OfParam, Said, joined, number, said
 from ..capture.by_hand import by_hand, hand_can
 from ..capture.motion_plan import MotionPlan
 from ..fit import fit
@@ -250,11 +250,13 @@ def came(
     tied = [at for at in others if cost[at] - cost[best] <= RULE.alike]
     words = [said("{best} explains all captures best", best=kept.names[best])]
     for at in (one for one in others if one not in tied):
-        more = left[at] - left[best]
-        why = (
-            f"leaves {more:.4g} more" if more > RULE.alike else "explains too little more for its parameters"
-        )
-        words.append(said("{name} {why}", name=kept.names[at], why=why))
+        if left[at] - left[best] > RULE.alike:
+            leaves = "{name} leaves {more} where it leaves {least}"
+            unit, [more, least] = fits[best].torque_unit, (fits[one].rmse for one in (at, best))
+            error = {"more": number(more, unit), "least": number(least, unit)}
+            words.append(said(leaves, name=kept.names[at], **error))
+        else:
+            words.append(said("{name} explains too little more for its parameters", name=kept.names[at]))
     if tied:
         names = joined(", ", (kept.names[at] for at in tied))
         words.append(said("still not told from it: {names}", names=names))
@@ -282,7 +284,13 @@ def _sharper(
     """Return a motion for one parameter with how well that is known by all captures now."""
     tell("fitting all")
     now = fit(captures, kept.models[0], **options).params[known.param]
-    half = f"{now.value:.4g} ± {0.5 * (now.ci95[1] - now.ci95[0]):.2g} {now.unit}"
     times = f"{known.before / now.se:.3g} times as well as before" if now.se > 0.0 else "exactly"
-    verdict = said("{param} is known {times}: {half}.", param=OfParam(known.param), times=times, half=half)
+    half = 0.5 * (now.ci95[1] - now.ci95[0])
+    verdict = said(
+        "{param} is known {times}: {value} ± {half}.",
+        param=OfParam(known.param),
+        times=times,
+        value=number(now.value, now.unit),
+        half=number(half, now.unit, ".2g"),
+    )
     return replace(kept, capture=name, verdict=verdict, right=0)

@@ -7,12 +7,15 @@ from typing import TYPE_CHECKING
 
 from starlette.concurrency import run_in_threadpool
 
+from ..base.said import Said
 from ..errors import InputError
 from ..fit import refit
 from ..learn.proposing import accepted
 from ..model.own import forget_effect
-from ..model.own_law import free_name, guesses, own_law
-from . import arrays
+from ..model.own_law import free_name, guesses
+from ..model.sliding import written
+from ..show.words import unit_word
+from . import arrays, formulas
 from .answers import answered, bytes_answer, finished
 from .bodies import read_json, text, whole
 from .jobs import Cancelled
@@ -24,7 +27,7 @@ if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.responses import Response
 
-    from ..base import pages
+    from ..base import pages, pages_said
     from ..base.arrays import FloatArray
     from ..base.pages_left import Curve
     from ..fit import Estimate
@@ -171,7 +174,7 @@ def typed(session: Session, law: str, name: str, start: Mapping[str, float], tel
     undone = {one for other in session.branch.steps for one in other.fit.model.laws}
     if name in model.effects or name in {*model.catalogue()} - undone:
         raise InputError(f"name {name}: is an effect already; choose another name")
-    own_law(name, law)
+    formulas.register(name, law, model.coordinate)
     try:
         doing = f"fitting {name}"
         tell(doing)
@@ -189,7 +192,7 @@ def tried(session: Session, law: str, start: Mapping[str, float], tell: Tell) ->
     Raises InputError for what is no formula yet, and for one that cannot be fitted.
     """
     node, name = session.node, session.new("typed")
-    own_law(name, law)
+    formulas.register(name, law, node.fit.model.coordinate)
     try:
         doing = "trying a formula"
         richer = refit.add(node.fit, name, lambda share: tell(doing, share), start)
@@ -223,7 +226,19 @@ def proposals_of(session: Session, node: Node) -> Proposals:
 
 def document(found: Proposals | None) -> list[pages.Law] | None:
     """Return what a page is told of laws, the one first for which most speaks; None: not looked for."""
-    return None if found is None else [_law(one, one in found.front) for one in found.laws]
+    if found is None:
+        return None
+    return [_law(one, one in found.front, found.beside.model.coordinate) for one in found.laws]
+
+
+def headline(found: Proposals | None) -> list[pages_said.Part]:
+    """Return the same in one sentence, with the first of them as law 1; nothing where none were sought."""
+    if found is None:
+        return []
+    parts = found.headline.parts
+    for first in found.laws[:1]:
+        parts = tuple(one.replace(first.label, "law 1") if isinstance(one, str) else one for one in parts)
+    return Said(*parts).document()
 
 
 def curve(found: Proposals | None) -> Curve | None:
@@ -247,7 +262,8 @@ def curve(found: Proposals | None) -> Curve | None:
 
 
 def _in_words(params: Mapping[str, Estimate]) -> list[str]:
-    return [f"{name} = {e.value:.4g} {e.unit} ({e.interval})" for name, e in params.items()]
+    words = (f"{name} = {e.value:.4g} {unit_word(e.unit)} ({e.interval})" for name, e in params.items())
+    return [one.replace("-", "−").replace("  ", " ") for one in words]
 
 
 def doubt_of(params: Mapping[str, Estimate]) -> str:
@@ -260,12 +276,12 @@ def doubt_of(params: Mapping[str, Estimate]) -> str:
     return "; ".join(words)
 
 
-def _law(one: Proposal, front: bool) -> pages.Law:
+def _law(one: Proposal, front: bool, coordinate: str) -> pages.Law:
     words = _in_words(one.params)
     words += ["no shorter law is as good"] if front else []
     return {
-        "label": one.label,
-        "law": one.law,
+        "label": written(one.label, coordinate),
+        "law": written(one.law, coordinate),
         "rmse": one.rmse,
         "rmse_heldout": one.rmse_heldout,
         "variables": list(one.variables),

@@ -65,7 +65,8 @@ def page_files() -> dict[str, bytes]:
 def application(bench: Bench, token: str, port: int, upload_bytes: int = UPLOAD_BYTES) -> ASGIApp:
     """Return the server of a bench, which answers to those alone who have the token."""
     files = page_files()
-    server, recording = _Server(bench, files, upload_bytes), Recording(bench)
+    index = files.pop("index.html", b"")
+    server, recording = _Server(bench, index, files, upload_bytes), Recording(bench)
     designing, proposing, ruling = Designing(bench), Proposing(bench), Ruling(bench)
     posts: dict[str, Answers] = {
         **{"add": server.add, "drop": server.drop, "undo": server.undo, "redo": server.redo},
@@ -93,13 +94,13 @@ def application(bench: Bench, token: str, port: int, upload_bytes: int = UPLOAD_
     }
     routes = [
         Route("/", server.page),
-        *(Route(f"/{name}", server.page) for name in files),
+        *(Route(f"/{name}", server.file) for name in files),
         *(Route(f"/api/{name}", answer) for name, answer in gets.items()),
         *(Route(f"/api/{name}", answer, methods=["POST"]) for name, answer in posts.items()),
     ]
     handlers: dict[Any, Any] = {InputError: _wrong, HTTPException: _unknown, Exception: _failed}
     handlers[ClientDisconnect] = _unheard
-    free = [f"/{name}" for name in files if name != "index.html"]
+    free = [f"/{name}" for name in files]  # the page itself has the session in it
     return Guard(Starlette(routes=routes, exception_handlers=handlers), token, port, free)
 
 
@@ -136,25 +137,26 @@ async def _failed(_: Request, error: Exception) -> Response:
 class _Server:
     """The answers, one method for each name of the interface."""
 
-    def __init__(self, bench: Bench, files: dict[str, bytes], upload_bytes: int) -> None:
+    def __init__(self, bench: Bench, index: bytes, files: dict[str, bytes], upload_bytes: int) -> None:
         self.bench = bench
         self.session = bench.session
+        self.index = index
         self.files = files
         self.upload_bytes = upload_bytes
         self.pictures: dict[str, bytes] = {}
         self.shared = Shared()
         self.uploads = 0
 
-    async def page(self, request: Request) -> Response:
-        """A file of the page, which is in memory: no name leads to any other file."""
-        name = request.url.path.removeprefix("/") or "index.html"
-        if name not in self.files:
-            raise HTTPException(404)
-        body = self.files[name]
-        if name == "index.html":  # with what it would ask for first
-            state = island(await run_in_threadpool(self.bench.document), "first-state")
-            body = body.replace(b"</head>", state.encode() + b"</head>", 1)
-        return Response(body, headers={"content-type": _TYPES[Path(name).suffix]})
+    async def page(self, _: Request) -> Response:
+        """The page, with what it would ask for first."""
+        state = island(await run_in_threadpool(self.bench.document), "first-state")
+        body = self.index.replace(b"</head>", state.encode() + b"</head>", 1)
+        return Response(body, headers={"content-type": _TYPES[".html"]})
+
+    async def file(self, request: Request) -> Response:
+        """A file that the page asks for, which is in memory: no name leads to any other file."""
+        name = request.url.path.removeprefix("/")
+        return Response(self.files[name], headers={"content-type": _TYPES[Path(name).suffix]})
 
     async def state(self, _: Request) -> Response:
         """Everything that the page shows but the samples."""

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
+import re
 from itertools import combinations
 from typing import TYPE_CHECKING, NamedTuple
 from weakref import WeakKeyDictionary
 
 from ..base import pages
-from ..base.said import OfEffect, Said, Stretch, joined, said
+from ..base.said import OfEffect, OfParam, Said, Stretch, joined, said
 from ..errors import InputError
+from ..fit.doubts import may_be_nothing, unsettled
 from ..fit.plausible import out_of_range
 from ..learn import LearningResult
 from ..learn.limitations import limitations
 from ..learn.limits import Limits
-from ..model.effects import effects, titles
+from ..model.effects import base_effects, effects, titles
 from ..show.samples import below_hz, candidates, peak
 from . import proposing, ruling, surface
 from .closing import open_ones
@@ -24,6 +26,7 @@ from .learned import carried, conclusion, in_vain, ladder
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from ..base.pages_said import Part
     from ..fit import Estimate, Fit
     from ..fit.diagnose import Diagnosis
     from ..learn.ladder import LearningStep
@@ -36,6 +39,8 @@ if TYPE_CHECKING:
     from .view import View
 
 SCHEMA = "knobcam.workbench/1"
+NOTHING = "may be nothing as well, for the interval holds zero"
+_PARAM = re.compile(r"(\w+\.\w+)")
 _PAIRS = 12  # of parameters that move together, shown to who asks
 
 
@@ -55,6 +60,7 @@ def document(session: Session) -> pages.Session:
     end = _end(steps, diagnosis)
     story = None if end is None else LearningResult(*end)
     left = None if story is None else story.unexplained
+    headline = None if story is None else story.headline
     return {
         **known,
         "captures": [_capture(one, fitted, view.node.captures) for one in open_ones(session)],
@@ -69,9 +75,9 @@ def document(session: Session) -> pages.Session:
         "together": told.together,
         "rmse": view.rmse,
         "rmse_heldout": view.rmse_heldout,
-        "added": _added(steps, story),
-        "concluded": [] if story is None else story.headline.document(),
-        "verdict": _verdict(steps, diagnosis, story).document(),
+        "added": _added(steps, headline),
+        "concluded": [] if headline is None else headline.document(),
+        "verdict": _verdict(steps, diagnosis, headline).document(),
         "record": None if story is None else story.record,
         "carried": [
             {
@@ -97,7 +103,7 @@ def document(session: Session) -> pages.Session:
         "absent": [one for one in told.absent if one["effect"] not in foreign],
         "untold": _untold(steps),
         "proposed": proposing.document(laws),
-        "proposed_said": [] if laws is None else laws.headline.document(),
+        "proposed_said": proposing.headline(laws),
         "curve": proposing.curve(laws),
         "surface": surface.document(laws),
         "limits": told.limits,
@@ -110,7 +116,7 @@ class _Said(NamedTuple):
 
     peak: float
     together: list[pages.Together]
-    limitations: list[str]
+    limitations: list[list[Part]]
     absent: list[pages.Effect]
     limits: dict[str, float] | None
 
@@ -121,7 +127,7 @@ _KNOWN: WeakKeyDictionary[Fit, _Said] = WeakKeyDictionary()
 def _said(fitted: Fit) -> _Said:
     """Return it as it was said before, where it was."""
     if fitted not in _KNOWN:
-        cannot = [f"{one.message}; {one.record}" for one in limitations(fitted)]
+        cannot = [Said(one.message, "; ", one.record).document() for one in limitations(fitted)]
         missing = [one.document() for one in absent(fitted.model)]
         _KNOWN[fitted] = _Said(peak(fitted), _together(fitted), cannot, missing, _reached(fitted))
     return _KNOWN[fitted]
@@ -244,7 +250,7 @@ def _parameters(view: View) -> list[pages.Param]:
         effect, own = name.split(".", 1)
         info = catalogue[effect].parameter(own)
         estimate = view.fit.params[name]
-        doubt = _doubt(name, estimate, info.plausible, view)
+        doubt = _doubt(name, estimate, catalogue[effect], view)
         rows.append(
             {
                 "name": name,
@@ -257,7 +263,7 @@ def _parameters(view: View) -> list[pages.Param]:
                 "lower": info.lower,
                 "upper": info.upper,
                 "meaning": info.meaning,
-                "doubt": None if doubt is None else Said(doubt).document(),
+                "doubt": None if doubt is None else _named(doubt, view.model).document(),
             }
         )
     return rows
@@ -292,40 +298,72 @@ def _moved(name: str, now: Parameter, view: View) -> bool:
     return name in view.dragged or (bool(view.dragged) and now.role in view.dragged)
 
 
-def _doubt(name: str, estimate: Estimate, plausible: tuple[float, float], view: View) -> str | None:
+def _named(doubt: str, model: Model) -> Said:
+    """Return a doubt as a sentence that knows which of its words are parameters."""
+    words = _PARAM.split(doubt) if not isinstance(doubt, Said) else [doubt]
+    return Said(*(OfParam(one) if one in model.params else one for one in words))
+
+
+def _doubt(name: str, estimate: Estimate, effect: Effect, view: View) -> str | None:
     """What is doubtful about a fitted value, if anything is."""
+    own = name.partition(".")[2]
     if name in view.fit.undetermined:
         return view.fit.undetermined[name]
     doubted = [warning for warning in view.fit.warnings if warning.startswith(f"{name} ")]
     if doubted:
         return doubted[0]
-    return out_of_range(estimate, plausible)
+    strange = out_of_range(estimate, effect.parameter(own).plausible)
+    if strange is None and may_be_nothing(effect, own, estimate) and _said_before(effect, view):
+        return NOTHING
+    return strange
 
 
-def _added(steps: list[LearningStep], story: LearningResult | None) -> list[str]:
+def _said_before(effect: Effect, view: View) -> bool:
+    """Whether it was said of an effect, before it came in, that its captures do not determine its values."""
+    if effect.id in base_effects(view.model.coordinate):
+        return False
+    own = {one: e for one, e in view.fit.params.items() if one.startswith(f"{effect.id}.")}
+    return effect.id in view.model.laws or bool(unsettled(effect, own))
+
+
+def _added(steps: list[LearningStep], headline: Said | None) -> list[str]:
     """Return what came into the model and is not named otherwise in what is said of it."""
-    parts = () if story is None else story.headline.parts
+    parts = () if headline is None else headline.parts
     named = {part.effect for part in parts if isinstance(part, OfEffect)} | {*in_vain(steps)}
     came = dict.fromkeys(step.added for step in steps if step.added in steps[-1].effects)
     return [one for one in came if one is not None and one not in named]
 
 
-def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, story: LearningResult | None) -> Said:
+def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, headline: Said | None) -> Said:
     """Return what is said beside what is concluded."""
     vain = _in_vain(in_vain(steps))
     if diagnosis is None:
         return joined(" ", (vain, "What could be missing is not weighed yet."))
     compared, beyond = diagnosis.comparison, diagnosis.fit.beyond
-    if story is None:  # what is missing the page says first, of the candidates
+    if headline is None:  # what is missing the page says first, of the candidates
         # Chance may explain the error as a whole, and an effect still a part of it: not both is said.
         size = said("{error}.", error=compared.error) if compared.complete else compared.summary
         return joined(" ", (vain, size, beyond and beyond.sentence))
     # Where it is worst is said once.
-    told = any(isinstance(part, Stretch) for part in story.headline.parts)
+    told = any(isinstance(part, Stretch) for part in headline.parts)
     # An error like chance's is no proof of a model that no knob can have.
-    against = joined("; ", diagnosis.fit.warnings) if compared.complete and diagnosis.fit.warnings else ""
+    warned = diagnosis.fit.warnings if compared.complete else ()
+    against = joined("; ", _said_once(warned)) if warned else ""
     but = said("But {warnings}.", warnings=against) if against else ""
     return joined(" ", (vain, compared.size if told else compared.summary, but))
+
+
+def _said_once(warnings: Sequence[str]) -> list[str]:
+    """Return warnings of which those that say the same of another parameter name that alone."""
+    told: list[str] = []
+    known: set[str] = set()
+    for warning in warnings:
+        first, *rest = warning.parts if isinstance(warning, Said) else (warning,)
+        same = "".join(map(str, rest))
+        alike = isinstance(first, OfParam) and same in known
+        told.append(said("so is {param}", param=first) if alike else warning)
+        known.add(same)
+    return told
 
 
 def _in_vain(effects: list[str]) -> Said | None:

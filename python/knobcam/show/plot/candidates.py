@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from ...fit.diagnose import Candidate, Diagnosis
 
 _COLUMNS = 2  # of the legend
+_WORSE = 0.3  # of what is shown to the right: how far a bar to the left goes, whose length says nothing
 
 
 @styled
@@ -41,7 +42,8 @@ def draw_candidates(axes: Axes, diagnosis: Diagnosis) -> None:
     # What noise leaves cannot be taken away; without a noise floor nothing is known to be there to gain.
     gain = 100.0 * (1.0 - fit.noise_floor / fit.rmse) if fit.noise_floor <= fit.rmse > 0.0 else 0.0
     top = max([gain, *falls, 1.0])
-    left = min([*falls, 0.0]) - 0.16 * top
+    least = max(min([*falls, 0.0]), -_WORSE * top)
+    left = least - 0.16 * top
     axes.set_xlim(left, 1.35 * top)
     for row, (one, fall) in enumerate(zip(candidates, falls, strict=True)):
         axes.barh(
@@ -59,8 +61,9 @@ def draw_candidates(axes: Axes, diagnosis: Diagnosis) -> None:
         label = "on unseen blocks" if row == 0 else None
         place, marker = (left + 0.02 * top, "<") if far else (unseen, "D")
         axes.plot([place], [row], marker, ms=4.5, color="white", mec=BLACK, mew=1.0, label=label, zorder=3)
+        off = f"   {fall:.0f} %".replace("-", "−") if fall < least else ""
         axes.annotate(
-            _words(one),
+            _words(one) + off,
             (max(fall, place, 0.0), row),
             (8, 0),
             textcoords="offset points",

@@ -21,6 +21,7 @@ from .style import (
     plain,
     styled,
     torque_scale,
+    torque_word,
 )
 from .torques import headline
 
@@ -29,10 +30,6 @@ if TYPE_CHECKING:
 
     from ...fit.compare import Comparison, Split
 
-_WORDS = {
-    "load": "modelled torque",
-    "history": "distance since reversal",
-}
 _SOME = 0.1
 """Of the bins, twice what chance lets leave their bands of 95 %."""
 _SIDES = {1: ("forward", FORWARD), -1: ("backward", BACKWARD), 0: ("mean residual", BLACK)}
@@ -45,8 +42,8 @@ def comparison(comparison: Comparison) -> Picture:
     Titles carry each axis's share of the squared error beyond noise; the worst axis is framed.
     """
     fit = comparison.fit
-    explained, relative = 100.0 * comparison.figures.explained, 100.0 * comparison.figures.relative
-    how_large = f"{explained:.1f} % of the variance explained, relative error {relative:.3g} %"
+    explained, relative = comparison.figures.in_percent, 100.0 * comparison.figures.relative
+    how_large = f"{explained} of the variance explained, relative error {relative:.3g} %"
     figure = Picture(11.5, 9.6, f"{headline(fit)}; {how_large}")
     peak = max(float(np.max(np.abs(split.mean), initial=0.0)) for split in comparison.splits)
     scale = torque_scale(fit.model.torque_unit, peak)
@@ -78,14 +75,15 @@ def shares(axes: Axes, comparison: Comparison) -> None:
             continue
         chance = 100.0 * split.chance
         axes.plot([chance, chance], [row - 0.4, row + 0.4], color=BLACK, lw=1.2)
-        says, color = (f"{100.0 * split.share:.0f} %", BLACK) if split.fails else ("chance", GREY)
+        none = "no line" if split.axis == "frequency" else "chance"
+        says, color = (f"{100.0 * split.share:.0f} %", BLACK) if split.fails else (none, GREY)
         right = 100.0 * float(np.nan_to_num(max(split.share, split.chance)))
         axes.text(right + 1.5, row, says, va="center", color=color)
     axes.set_yticks(rows, [s.axis for s in splits])
     axes.set_xlim(0.0, 112.0)
     axes.set_xticks([0, 25, 50, 75, 100])
     axes.grid(visible=False, axis="y")
-    told = "share of the error beyond noise (%), of each axis alone: they overlap\nblack: chance stays below"
+    told = "share of the error beyond noise (%)\nof each axis alone: they overlap\nblack: chance stays below"
     axes.set_xlabel(told if known else "share of the squared error (%), noise and all")
     axes.set_title(plain(_verdict(comparison)), fontweight="bold")
 
@@ -97,9 +95,10 @@ def of_excess(split: Split) -> str:
     if np.isnan(split.share):
         return "noise not known"
     beyond = float(np.mean(np.abs(split.mean) > split.band))
+    if split.axis == "frequency" and beyond > 0.0:
+        return "no line stands out"  # though more is left than noise at many: that is wide, as of an event
     # Where so many bins leave their band that it is seen, the axis as a whole may still be chance's.
-    seen = beyond > (0.0 if split.axis == "frequency" else _SOME)
-    return "no more than chance, all bins together" if seen else "no more than chance"
+    return "no more than chance, all bins together" if beyond > _SOME else "no more than chance"
 
 
 def _verdict(comparison: Comparison) -> str:
@@ -144,7 +143,9 @@ def bin_means(axes: Axes, split: Split, scale: Scale) -> None:
         first = float(split.high[split.low == 0.0].min(initial=np.inf))
         axes.set(xscale="log", xlim=(0.5 * first, float(split.high.max())))
     if len(directions) > 1:
-        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1, ncols=2)
+        # Beside a title, in a panel that may be narrow.
+        short = {"handlelength": 0.9, "handletextpad": 0.4, "columnspacing": 0.8}
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1, ncols=2, **short)
 
 
 def line_spectrum(axes: Axes, split: Split, scale: Scale) -> None:
@@ -178,8 +179,10 @@ def lines_shown(split: Split) -> npt.NDArray[np.bool_]:
 
 def head_of(split: Split, scale: Scale) -> str:
     """Return the name of an axis with its unit."""
-    unit = scale.unit if split.axis == "load" else unit_word(split.unit)
-    return f"{_WORDS.get(split.axis, split.axis)} ({unit})"
+    if split.axis == "load":
+        return f"modelled {torque_word(split.unit)} ({scale.unit})"
+    axis = "distance since reversal" if split.axis == "history" else split.axis
+    return f"{axis} ({unit_word(split.unit)})"
 
 
 def _head(axes: Axes, split: Split, scale: Scale, worst: bool) -> None:

@@ -10,9 +10,12 @@ from .ladder import title
 from .style import BAND, BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILLION, Picture, legend_below, plain, styled
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
 
     from ...learn import LearningResult
+    from ...learn.ladder import LearningStep
 
 _COLORS = (BLUE, ORANGE, GREEN, PURPLE, VERMILLION)
 _COLUMNS = 3  # of the legend
@@ -22,7 +25,7 @@ _USUAL = 2.0  # standard errors: within that nothing happened
 @styled
 def movements(learned: LearningResult) -> Picture:
     """Movement of each parameter of the first model, in standard errors, for each effect that came in."""
-    rows = len(learned.ladder[0].params)
+    rows = len(plotted(learned.ladder))
     figure = Picture(8.5, 1.8 + 0.36 * rows, title(learned))
     draw_movements(figure.add_subplot(), learned)
     return figure
@@ -30,7 +33,7 @@ def movements(learned: LearningResult) -> Picture:
 
 def draw_movements(axes: Axes, learned: LearningResult) -> None:
     """Draw a bar for each parameter and effect; linear up to 2 standard errors, then by decades."""
-    names, kind = list(learned.ladder[0].params), learned.model.coordinate
+    names, kind = plotted(learned.ladder), learned.model.coordinate
     came = [step for step in learned.ladder if step.added is not None]
     width = 0.72 / max(len(came), 1)
     reach = 10.0
@@ -60,6 +63,12 @@ def draw_movements(axes: Axes, learned: LearningResult) -> None:
     axes.tick_params(axis="y", length=0)
     axes.set_xlabel("moved by (standard errors)")
     legend_below(axes, "Parameters that moved", _COLUMNS)
+
+
+def plotted(ladder: Sequence[LearningStep]) -> list[str]:
+    """Return the parameters of the first model, but for those that went before they could move."""
+    came = [step for step in ladder if step.added is not None]
+    return [name for name in ladder[0].params if not came or any(name in step.moved for step in came)]
 
 
 def _say(axes: Axes, row: float, step: float, percent: float) -> None:

@@ -70,12 +70,12 @@ function listen(heard) {
 function make(tag, properties = {}, ...children) {
   const element2 = document.createElement(tag);
   const { text, on = {}, ...attributes } = properties;
-  for (const [name, value] of Object.entries(attributes)) {
+  for (const [name2, value] of Object.entries(attributes)) {
     if (value !== null && value !== false && value !== void 0) {
-      element2.setAttribute(name, value === true ? "" : String(value));
+      element2.setAttribute(name2, value === true ? "" : String(value));
     }
   }
-  for (const [name, listener] of Object.entries(on)) element2.addEventListener(name, listener);
+  for (const [name2, listener] of Object.entries(on)) element2.addEventListener(name2, listener);
   if (text !== void 0) element2.textContent = text;
   element2.append(...children.filter((child) => child !== null));
   return element2;
@@ -85,8 +85,8 @@ function byId(id) {
   if (!element2) throw new Error(`the page has no element ${id}`);
   return element2;
 }
-function styleValue(name, element2) {
-  return getComputedStyle(element2).getPropertyValue(name).trim();
+function styleValue(name2, element2) {
+  return getComputedStyle(element2).getPropertyValue(name2).trim();
 }
 function shown(element2) {
   for (const fold of element2.querySelectorAll("details")) fold.open = true;
@@ -101,14 +101,15 @@ var titles = {};
 var meanings = {};
 function known({ titles: called2, params = [] }) {
   titles = called2;
-  meanings = Object.fromEntries(params.map(({ name, meaning }) => [name, meaning]));
+  meanings = Object.fromEntries(params.map(({ name: name2, meaning }) => [name2, meaning]));
 }
 function titleOf(effect) {
   return titles[effect] ?? effect;
 }
-function paramOf(name) {
-  const [effect, ...own] = name.split(".");
-  const [words4, title] = [meanings[name] || own.join("."), titleOf(effect)];
+function paramOf(name2) {
+  const [effect, ...own] = name2.split(".");
+  const [words4] = (meanings[name2] || own.join(".")).split(", ");
+  const title = titleOf(effect);
   return words4.includes(title) ? words4 : `${words4} (${title})`;
 }
 function named(words4, id) {
@@ -116,10 +117,6 @@ function named(words4, id) {
 }
 function listed(effects, between3) {
   return effects.flatMap((effect, at) => [at > 0 ? between3 : "", named(titleOf(effect), effect)]);
-}
-var SLIDES = { theta: "x", omega: "v", alpha: "dv/dt" };
-function writtenOf(law, coordinate) {
-  return coordinate === "linear" ? law.replaceAll(/\b(theta|omega|alpha)\b/g, (name) => SLIDES[name]) : law;
 }
 
 // src/numbers.js
@@ -138,7 +135,7 @@ function thousands(many) {
 function percent(share) {
   if (!Number.isFinite(share)) return "–";
   const text = (100 * share).toFixed(share > 0 && share < 0.1 ? 1 : 0);
-  return `${Number(text) === 0 ? "0" : text} %`.replaceAll("-", "−");
+  return `${Number(text) === 0 ? "0" : text} %`.replaceAll("-", "−");
 }
 function torqueScale({ unit, peak }) {
   return unit === "N m" && peak <= 2 ? { factor: 1e3, unit: "mNm" } : { factor: 1, unit };
@@ -169,7 +166,7 @@ function ticks(low, high, count) {
   if (!(span4 > 0) || !Number.isFinite(span4)) return [];
   const rough = span4 / Math.max(1, count);
   const power = 10 ** Math.floor(Math.log10(rough));
-  const steps = [10, 5, 2, 1].map((factor) => factor * power);
+  const steps = [10, 5, 2, 1].map((factor2) => factor2 * power);
   const wide = steps.findLastIndex((step) => step >= rough);
   const scales = steps.slice(wide).map((step) => {
     const first = Math.ceil(low / step - 1e-9);
@@ -187,7 +184,7 @@ function comparable({ branches, branch: current, active }, branch) {
 function showBranches(place4, state, beside2, deeds) {
   const focused = document.activeElement?.getAttribute("data-beside");
   const scale = torqueScale(state);
-  const cards = state.branches.map(({ id, name, steps, at }) => {
+  const cards = state.branches.map(({ id, name: name2, steps, at }) => {
     const step = steps[at];
     const done = steps.slice(0, at + 1);
     const own = done.slice(done.findLastIndex(({ anew }) => anew));
@@ -200,7 +197,7 @@ function showBranches(place4, state, beside2, deeds) {
         ...{ type: "button", class: "branch", "aria-pressed": String(id === state.branch), "data-branch": id },
         on: { click: () => deeds.choose(id) }
       },
-      make("strong", { text: name }),
+      make("strong", { text: name2 }),
       make("span", { class: "soft", text: words4 }),
       make("span", { class: "figure", text: step ? `${number(step.rmse * scale.factor)} ${scale.unit}` : "–" })
     );
@@ -320,11 +317,11 @@ function drawAxes(brush, size, { x, y, title, colours, noise, bins, spectrum }) 
 function labelWithin(label, room, widthOf) {
   return widthOf(label) <= room ? label : label.slice(label.indexOf(", ") + 1).trim();
 }
-function ticksOf({ low, high, factor, log }, count) {
-  if (!log) return ticks(low * factor, high * factor, count).map((value) => [value / factor, number(value, 6)]);
+function ticksOf({ low, high, factor: factor2, log }, count) {
+  if (!log) return ticks(low * factor2, high * factor2, count).map((value) => [value / factor2, number(value, 6)]);
   const few = count / (high - low) >= 3 ? [1, 2, 5] : [1];
   const decades = Array.from({ length: Math.ceil(high) - Math.floor(low) + 1 }, (_, at) => 10 ** (Math.floor(low) + at));
-  const shift = Math.log10(factor);
+  const shift = Math.log10(factor2);
   return decades.flatMap((decade) => few.map((digit) => digit * decade)).map((value) => (
     /** @type {[number, string]} */
     [Math.log10(value) - shift, number(value, 1)]
@@ -494,7 +491,7 @@ function rowsOf(data, view, widest) {
       xAxis: { ...common.xAxis, label: "" },
       // where it is chosen it stands already
       yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}${slow}, ${scale.unit}${beyondWords(measured2, lowest, highest)}` },
-      title: part ? `what depends on ${along} alone` : `${word} over ${axis2.words}`,
+      title: part ? `what depends on ${along} alone` : `${word} over ${axisWord(along, data.unit)}`,
       series,
       noise: null
     };
@@ -529,9 +526,15 @@ function axisOf(along, x, data) {
   const [low, high] = span(x);
   return { low, high, factor: 1, label: labelOf(along, data) };
 }
+function axisWord(along, unit) {
+  return along === "load" ? `modelled ${torqueWord(unit)}` : AXES[
+    /** @type {Along} */
+    along
+  ]?.words ?? along;
+}
 function labelOf(along, { unit, coordinate }) {
-  const { words: words4, units } = AXES[along];
-  return `${words4}, ${units ? units[coordinate === "linear" ? 1 : 0] : unit}`;
+  const { units } = AXES[along];
+  return `${axisWord(along, unit)}, ${units ? units[coordinate === "linear" ? 1 : 0] : unit}`;
 }
 function samplesIn({ columns }, { axis: axis2, low, high, direction }) {
   if (axis2 === "frequency") return null;
@@ -559,8 +562,8 @@ var notCounted = remembered(
   (fitted, tau, masked) => fitted.map((value, i) => value === value ? NaN : masked[i] === masked[i] ? masked[i] : tau[i])
 );
 var span = remembered((x) => limits([x], { air: 0.01 }));
-function short(name) {
-  return name.length > NAME ? `${name.slice(0, NAME)}…` : name;
+function short(name2) {
+  return name2.length > NAME ? `${name2.slice(0, NAME)}…` : name2;
 }
 function isolated({ residual }, part) {
   return { measured: part.map((value, i) => value + residual[i]), modelled: part };
@@ -593,7 +596,7 @@ function wordsOfPart(part, about2) {
   if (typeof part === "string") return part.replaceAll(/(?<=^|[\s(])-(?=\d)/g, "−");
   if ("text" in part) return measured(part, about2);
   if ("low" in part) return stretch(part, about2);
-  if ("along" in part) return axisWord(part.along);
+  if ("along" in part) return axisWord(part.along, about2.unit);
   if ("effect" in part) return titleOf(part.effect);
   if ("param" in part) return paramOf(part.param);
   if ("column" in part) return columnWord(part.column, about2);
@@ -623,12 +626,6 @@ function stretch({ low, high, unit, direction }, about2) {
   const [from, to] = [low, high].map((end) => number(end * scale.factor, 4));
   return `${from} to ${to} ${unitWords(scale.unit)}${DIRECTIONS.get(direction) ?? ""}`;
 }
-function axisWord(axis2) {
-  return AXES[
-    /** @type {import("./contents.js").Along} */
-    axis2
-  ]?.words ?? axis2;
-}
 function columnWord(column, about2) {
   const { theta, omega, alpha } = motionWords(about2);
   const words4 = { t: "time", theta: theta.name, omega: omega.name, alpha: alpha.name, tau: torqueWord(about2.unit) };
@@ -650,7 +647,7 @@ function showCaptures(place4, state, { use, close }) {
     place4.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only, about2, only.name), facts(only)));
     return;
   }
-  const short2 = shortNames(captures.map(({ name }) => name));
+  const short2 = shortNames(captures.map(({ name: name2 }) => name2));
   const toggled = (id) => active.includes(id) ? active.filter((one) => one !== id) : [...active, id];
   const buttons = captures.map((capture, at) => {
     const alone = active.length === 1 && active[0] === capture.id;
@@ -677,24 +674,24 @@ function showCaptures(place4, state, { use, close }) {
 function sharedHead(names) {
   const [first = "", ...others] = names;
   let alike = 0;
-  while (alike < first.length && others.every((name) => name[alike] === first[alike])) alike++;
+  while (alike < first.length && others.every((name2) => name2[alike] === first[alike])) alike++;
   const word = /^.*[-_ .]/.exec(first.slice(0, alike))?.[0].length ?? 0;
-  return alike < first.length && names.every((name) => name.length > word) && word > SHORT2 ? word : 0;
+  return alike < first.length && names.every((name2) => name2.length > word) && word > SHORT2 ? word : 0;
 }
 function shortNames(names) {
   const shared = sharedHead(names);
   if (shared === 0) return names;
   const kind = /\.\w+$/.exec(names[0])?.[0] ?? "";
-  const alike = names.every((name) => name.endsWith(kind) && name.length > shared + kind.length);
-  return names.map((name) => `…${name.slice(shared, alike ? name.length - kind.length : name.length)}`);
+  const alike = names.every((name2) => name2.endsWith(kind) && name2.length > shared + kind.length);
+  return names.map((name2) => `…${name2.slice(shared, alike ? name2.length - kind.length : name2.length)}`);
 }
 function facts({ samples, rate_hz }) {
   return ` ${thousands(samples)} samples, ${Math.round(rate_hz)} Hz`;
 }
-function words({ findings }, about2, name) {
+function words({ findings }, about2, name2) {
   const doubtful = findings.filter((one) => !isNote(one));
   const doubt = make("span", { class: "doubt", text: "⚠ ", title: doubtful.map((one) => textOf(one, about2)).join("\n") });
-  return [...doubtful.length > 0 ? [doubt] : [], make("strong", { text: name })];
+  return [...doubtful.length > 0 ? [doubt] : [], make("strong", { text: name2 })];
 }
 var isNote = ({ severity, overruled }) => severity === "note" && !overruled;
 function textOf({ severity, said, advice }, about2) {
@@ -708,7 +705,7 @@ function showFindings(place4, { captures, active, limitations, notes, job }, abo
   const focused = document.activeElement?.getAttribute("data-finding");
   const fitted = captures.filter(({ id }) => active.includes(id));
   const every = alikeInAll(fitted);
-  const short2 = new Map(shortNames(fitted.map(({ name }) => name)).map((name, at) => [fitted[at].id, name]));
+  const short2 = new Map(shortNames(fitted.map(({ name: name2 }) => name2)).map((name2, at) => [fitted[at].id, name2]));
   const [several, all] = [fitted.length > 1, { id: "", name: "all: ", job }];
   const apart2 = fitted.map((one) => ({ ...one, findings: one.findings.filter((found3) => !isNote(found3) || !every.has(keyOf(found3))) }));
   const told = [...apart2.flatMap(({ findings }) => findings), ...every.values()];
@@ -717,7 +714,7 @@ function showFindings(place4, { captures, active, limitations, notes, job }, abo
     return own2.map((one) => finding(one, { id, name: several ? `${short2.get(id)}: ` : "", job }, about2, deeds));
   });
   found2.push(...[...every.values()].map((one) => finding(one, all, about2, deeds)));
-  const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
+  const missing = limitations.map((said) => make("li", { class: "soft" }, "Cannot be told: ", ...nodes(said, about2)));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
   const open = place4.querySelector("details")?.open ?? false;
   const own = found2.length > FEW2 ? [folded(found2, told, open)] : found2;
@@ -740,14 +737,14 @@ function folded(items, told, open) {
   const summary = make("summary", { class: doubtful ? "doubt" : "soft", text: `${doubtful ? "⚠ " : ""}${told.length} findings: ${words4.join(", ")}` });
   return make("li", {}, make("details", { open }, summary, make("ul", {}, ...items)));
 }
-function finding(found2, { id, name, job }, about2, { see, overrule }) {
+function finding(found2, { id, name: name2, job }, about2, { see, overrule }) {
   const { key: key2, overruled, stands, seen: seen2 } = found2;
   const [text, note] = [textOf(found2, about2), isNote(found2)];
-  const said = `${note || overruled ? "" : "⚠ "}${name}${text}`;
+  const said = `${note || overruled ? "" : "⚠ "}${name2}${text}`;
   const words4 = seen2 ? make("button", { type: "button", class: "leads", title: "show its samples", text: said, on: { click: () => see(id, key2) } }) : make("span", { text: said });
   const box = make("input", {
-    ...{ type: "checkbox", role: "switch", checked: !overruled, disabled: stands !== "", "data-finding": `${name}${key2}` },
-    "aria-label": `applied: ${name}${text}`,
+    ...{ type: "checkbox", role: "switch", checked: !overruled, disabled: stands !== "", "data-finding": `${name2}${key2}` },
+    "aria-label": `applied: ${name2}${text}`,
     // While something is done it waits, but keeps the focus.
     ...{ "aria-disabled": job !== null ? "true" : null },
     on: { click: (event) => job !== null && event.preventDefault(), change: () => overrule(id, key2, !overruled) }
@@ -761,6 +758,121 @@ async function samplesOf(capture, finding2, { captures, active }) {
   const start = before.reduce((sum, one) => sum + (captures.find(({ id }) => id === one)?.samples ?? 0), 0);
   const { runs } = await ask("finding", { capture, finding: finding2 });
   return Uint32Array.from(runs.flatMap(([first, last]) => Array.from({ length: last - first + 1 }, (_, at) => start + first + at)));
+}
+
+// src/formula.js
+var LETTERS = /* @__PURE__ */ new Set(["alpha", "delta", "theta", "mu", "sigma", "tau", "psi", "omega", "pi"]);
+var WRITTEN = {
+  abs: (of) => `\\left|${of}\\right|`,
+  exp: (of) => `e^{${of}}`,
+  sign: (of) => `\\operatorname{sgn}${bracketed(of)}`
+};
+var FUNCTIONS = /* @__PURE__ */ new Set(["sin", "cos", "tan", "log", "tanh", "min", "max"]);
+function latexOf(law) {
+  const tokens = law.match(/dv\/dt\b|[A-Za-z_]\w*|\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+|\S/g) ?? [];
+  try {
+    const reader = new Reader(tokens);
+    const { tex } = reader.sum();
+    return reader.at === tokens.length ? tex : null;
+  } catch {
+    return null;
+  }
+}
+var Reader = class {
+  /** @param {string[]} tokens */
+  constructor(tokens) {
+    this.tokens = tokens;
+    this.at = 0;
+  }
+  /** Whether a token is next, which is taken then. @param {string} wanted */
+  took(wanted2) {
+    if (this.tokens[this.at] !== wanted2) return false;
+    this.at++;
+    return true;
+  }
+  /** @param {string} wanted */
+  take(wanted2) {
+    if (!this.took(wanted2)) throw new Error(`${wanted2} is missing`);
+  }
+  /** @returns {Part} */
+  sum() {
+    let found2 = this.product();
+    for (; ; ) {
+      const sign = this.took("+") ? "+" : this.took("-") ? "-" : "";
+      if (!sign) return found2;
+      found2 = { tex: `${found2.tex} ${sign} ${factor(this.product())}`, kind: "sum" };
+    }
+  }
+  /** @returns {Part} */
+  product() {
+    if (this.took("-")) return { tex: `-${factor(this.product())}`, kind: "sum" };
+    let found2 = this.power();
+    for (; ; ) {
+      if (this.took("/")) {
+        const below = this.power();
+        found2 = { tex: `\\frac{${found2.bare ?? found2.tex}}{${below.bare ?? below.tex}}`, kind: "product" };
+      } else if (this.took("*") || /^[\w.(]/.test(this.tokens[this.at] ?? "")) {
+        const more = this.power();
+        const between3 = /^[\d.]/.test(more.tex) ? "\\cdot " : "\\,";
+        found2 = { tex: `${factor(found2)}${between3}${factor(more)}`, kind: "product" };
+      } else {
+        return found2;
+      }
+    }
+  }
+  /** @returns {Part} */
+  power() {
+    const base = this.atom();
+    if (!this.took("^")) return base;
+    const high = this.tokens[this.at] === "-" ? this.product() : this.power();
+    return { tex: `${base.kind === "atom" ? base.tex : bracketed(base.bare ?? base.tex)}^{${high.bare ?? high.tex}}`, kind: "product" };
+  }
+  /** @returns {Part} */
+  atom() {
+    const token2 = this.tokens[this.at++] ?? "";
+    if (token2 === "(") {
+      const within4 = this.sum();
+      this.take(")");
+      return { ...within4, bare: within4.tex };
+    }
+    if (token2 === "|") {
+      const within4 = this.sum();
+      this.take("|");
+      return { tex: `\\left|${within4.tex}\\right|`, kind: "atom" };
+    }
+    if (/^[\d.]/.test(token2)) return number2(token2);
+    if (!/^[A-Za-z_]/.test(token2)) throw new Error(`${token2} has nothing to stand for`);
+    if (this.tokens[this.at] !== "(" || !(token2 in WRITTEN || FUNCTIONS.has(token2))) return name(token2);
+    const of = this.list();
+    const tex = token2 in WRITTEN ? WRITTEN[token2](of) : `\\operatorname{${token2}}${bracketed(of)}`;
+    return { tex, kind: token2 === "exp" || FUNCTIONS.has(token2) || token2 === "sign" ? "product" : "atom" };
+  }
+  /** What stands in the brackets of a function. */
+  list() {
+    this.take("(");
+    const found2 = [this.sum().tex];
+    while (this.took(",")) found2.push(this.sum().tex);
+    this.take(")");
+    return found2.join(",\\ ");
+  }
+};
+function factor({ tex, kind, bare }) {
+  return kind === "sum" ? bracketed(bare ?? tex) : tex;
+}
+function bracketed(tex) {
+  return `{\\left(${tex}\\right)}`;
+}
+function number2(token2) {
+  const [digits, power] = token2.toLowerCase().split("e");
+  return power === void 0 ? { tex: digits, kind: "atom" } : { tex: `${digits}\\cdot 10^{${Number(power)}}`, kind: "product" };
+}
+function name(token2) {
+  if (token2 === "dv/dt") return { tex: "\\dot v", kind: "atom" };
+  if (["spline", "sqrt"].includes(token2)) throw new Error(`${token2} is read as it is typed`);
+  const [, letters, digits] = /^([A-Za-z]+)_?(\d*)$/.exec(token2) ?? [];
+  if (letters === void 0) throw new Error(`${token2} is read as it is typed`);
+  const tex = LETTERS.has(letters) ? `\\${letters}` : letters.length > 1 ? `\\text{${letters}}` : letters;
+  return { tex: digits ? `${tex}_{${digits}}` : tex, kind: "atom" };
 }
 
 // src/math.js
@@ -779,18 +891,18 @@ function typeset(latex) {
   return tree && element(["math", { displaystyle: "true" }, ["mrow", {}, ...tree]]);
 }
 function lawOf({ latex, law }) {
-  const typed = typeset(latex);
+  const typed = typeset(latex || (latexOf(law) ?? ""));
   return typed ? make("div", { class: "formula" }, typed) : make("code", { class: "formula", text: law });
 }
 function parsed(latex) {
   const tokens = latex.match(/\\[A-Za-z]+|\\.|[0-9.]+|\s+|[^\s]/g) ?? [];
   try {
-    return new Reader(tokens).row(() => false);
+    return new Reader2(tokens).row(() => false);
   } catch {
     return null;
   }
 }
-var Reader = class {
+var Reader2 = class {
   /** @param {string[]} tokens */
   constructor(tokens) {
     this.tokens = tokens;
@@ -860,25 +972,25 @@ var Reader = class {
     if (token2 === "{") return this.braced();
     this.at++;
     if (!token2.startsWith("\\")) return plain2(token2);
-    const name = token2.slice(1);
-    if (name in SIGNS) return ["mi", {}, SIGNS[name]];
-    if (name in OPERATORS) return ["mo", {}, OPERATORS[name]];
-    if (name in SPACES) return space(name);
-    if (NAMES.includes(name)) return this.named(name);
-    if (IGNORED.includes(name)) return null;
-    if (FENCES.includes(name)) return fence(this.take());
-    if (name === "frac" || name === "tfrac") return ["mfrac", {}, this.argument(), this.argument()];
-    if (name === "dot") return ["mover", { accent: "true" }, this.argument(), ["mo", {}, "˙"]];
-    if (name === "text") return ["mtext", {}, this.words()];
-    if (name === "operatorname") return this.named(this.words());
-    if (name === "mathbb") return ["mi", {}, this.words().replace("N", "ℕ")];
-    if (name === "begin") return this.cases();
+    const name2 = token2.slice(1);
+    if (name2 in SIGNS) return ["mi", {}, SIGNS[name2]];
+    if (name2 in OPERATORS) return ["mo", {}, OPERATORS[name2]];
+    if (name2 in SPACES) return space(name2);
+    if (NAMES.includes(name2)) return this.named(name2);
+    if (IGNORED.includes(name2)) return null;
+    if (FENCES.includes(name2)) return fence(this.take());
+    if (name2 === "frac" || name2 === "tfrac") return ["mfrac", {}, this.argument(), this.argument()];
+    if (name2 === "dot") return ["mover", { accent: "true" }, this.argument(), ["mo", {}, "˙"]];
+    if (name2 === "text") return ["mtext", {}, this.words()];
+    if (name2 === "operatorname") return this.named(this.words());
+    if (name2 === "mathbb") return ["mi", {}, this.words().replace("N", "ℕ")];
+    if (name2 === "begin") return this.cases();
     throw new Error(`${token2} is unknown`);
   }
   /** A function by its name, at a distance from what it is of. @param {string} name @returns {Node_} */
-  named(name) {
+  named(name2) {
     const of = ["(", "^", "_", "\\!", "\\left"].includes(this.next) ? [] : [space(",")];
-    return ["mrow", {}, ["mi", { mathvariant: "normal" }, name], ...of];
+    return ["mrow", {}, ["mi", { mathvariant: "normal" }, name2], ...of];
   }
   /** @returns {Node_} */
   cases() {
@@ -909,8 +1021,8 @@ function fitFormulas(place4) {
 function fence(token2) {
   return token2 === "." ? null : ["mo", { stretchy: "true" }, token2];
 }
-function space(name) {
-  return ["mspace", { width: `${SPACES[name]}em` }];
+function space(name2) {
+  return ["mspace", { width: `${SPACES[name2]}em` }];
 }
 function plain2(token2) {
   if (/^[0-9.]+$/.test(token2)) return ["mn", {}, token2];
@@ -926,9 +1038,42 @@ function once(make2) {
 }
 function element([tag, attributes, ...children]) {
   const made = document.createElementNS(namespace(), tag);
-  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+  for (const [name2, value] of Object.entries(attributes)) made.setAttribute(name2, value);
   made.append(...children.map((child) => typeof child === "string" ? child : element(child)));
   return made;
+}
+
+// src/untold.js
+function insteadOf({ candidates, record, untold }) {
+  if (untold.length > 0) return "";
+  if (candidates.rows.some(({ could_be: could }) => could)) return "What to record next is known once what is missing is in the model.";
+  return record ? `What to record next, to see what it is: ${record}.` : "";
+}
+function alikeOf({ candidates, untold }) {
+  const first = untold.length > 0 ? void 0 : candidates.rows.find(({ could_be: could }) => could);
+  return first && first.equivalent.length > 0 ? [first.effect, ...first.equivalent] : [];
+}
+function apartButton(effects, apart2, whose = "") {
+  const [text, label] = ["Tell apart…", `Tell apart… ${whose}`.trim()];
+  return make("button", { type: "button", text, title: "design the motion that would tell", "aria-label": label, on: { click: () => apart2(effects) } });
+}
+function boundsButton(effects, bounds, whose) {
+  const title = "the limits of your rig, within which it is designed";
+  return make("button", { type: "button", text: "Limits…", title, "aria-label": `Limits… ${whose}`, on: { click: () => bounds(effects) } });
+}
+function showUntold(place4, { untold }, apart2) {
+  const rows = untold.map(
+    (effects) => make(
+      "li",
+      {},
+      ...listed([effects[0]], ""),
+      " came in; these captures cannot tell it from ",
+      ...listed(effects.slice(1), ", "),
+      ". ",
+      apartButton(effects, apart2)
+    )
+  );
+  place4.replaceChildren(...rows);
 }
 
 // src/candidates.js
@@ -937,7 +1082,8 @@ var Candidates = class {
   /**
    * @param {HTMLElement} place
    * @param {{look: (effect: string | null) => void, take: (effect: string) => void, ask?: () => void,
-   *   about?: (row: Candidate) => void, apart?: (effects: string[]) => void}} deeds
+   *   about?: (row: Candidate) => void, apart?: (effects: string[]) => void,
+   *   bounds?: (effects: string[]) => void}} deeds
    * @param {string} taking what it is called to take one
    */
   constructor(place4, deeds, taking) {
@@ -1027,12 +1173,10 @@ var Candidates = class {
    */
   untold({ effect, equivalent }) {
     if (equivalent.length === 0) return null;
-    const apart2 = make("button", {
-      ...{ type: "button", text: "Tell apart…", "aria-label": `Tell apart… ${titleOf(effect)}` },
-      ...{ title: "design the motion that would tell", on: { click: () => this.deeds.apart?.([effect, ...equivalent]) } }
-    });
-    const others = listed(equivalent, ", ");
-    return make("span", { class: "alike soft" }, "this capture cannot tell it from ", ...others, " ", this.deeds.apart ? apart2 : null);
+    const { apart: apart2, bounds } = this.deeds;
+    const [all, title] = [[effect, ...equivalent], titleOf(effect)];
+    const buttons = apart2 && bounds ? [apartButton(all, apart2, title), " ", boundsButton(all, bounds, title)] : [];
+    return make("span", { class: "alike soft" }, "this capture cannot tell it from ", ...listed(equivalent, ", "), " ", ...buttons);
   }
   /** Go to an effect. @param {string} effect */
   go(effect) {
@@ -1078,7 +1222,7 @@ function outWords({ effect, error_fall: fall }) {
   return `${titleOf(effect)} (${percent(-Math.max(0, fall))})`;
 }
 function evidence(row, about2) {
-  const chance = row.p_value <= 1e-3 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
+  const chance = row.p_value <= 1e-3 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
   return `${sentence(row.said, about2)} (${chance})`;
 }
 function remarks({ equivalent, confused, note }) {
@@ -1279,7 +1423,7 @@ function acting(effect, { data, at, added }) {
   const draw2 = () => {
     const now = Number(slider.value);
     const named2 = { ink: "--ink", soft: "--soft", shade: "--shade", colour: "--signature" };
-    const colours = Object.fromEntries(Object.entries(named2).map(([name, style]) => [name, styleValue(style, canvas)]));
+    const colours = Object.fromEntries(Object.entries(named2).map(([name2, style]) => [name2, styleValue(style, canvas)]));
     drawSection(
       canvas,
       effect,
@@ -1357,16 +1501,16 @@ var AnyEffect = class {
     const names = (effects) => effects.map(({ effect }) => effect).join();
     if (names(absent) !== names(this.absent)) {
       const none = make("option", { value: "", text: "choose one" });
-      this.select.replaceChildren(none, ...absent.map(({ effect, name }) => make("option", { value: effect, text: `${titleOf(effect)}: ${name}`, title: effect })));
+      this.select.replaceChildren(none, ...absent.map(({ effect, name: name2 }) => make("option", { value: effect, text: `${titleOf(effect)}: ${name2}`, title: effect })));
     }
     this.absent = absent;
   }
 };
 function about(effect, shown2) {
-  const { effect: id, place: place4, source, shows, name, about: sentence2, causes, remedies } = effect;
+  const { effect: id, place: place4, source, shows, name: name2, about: sentence2, causes, remedies } = effect;
   const drawing = make("p", { class: "soft", text: "The picture is being drawn …" });
   const frame = make("div", { class: "picture", role: "status" }, drawing);
-  byId("about-title").textContent = `${titleOf(id)}: ${name}`;
+  byId("about-title").textContent = `${titleOf(id)}: ${name2}`;
   byId("about-title").title = id;
   byId("about-text").replaceChildren(
     make("p", { text: sentence2 }),
@@ -1378,7 +1522,7 @@ function about(effect, shown2) {
   );
   dialog().showModal();
   fitFormulas(byId("about-text"));
-  const alt = `${name}: what it adds to a small model's torque; it shows ${shows}`;
+  const alt = `${name2}: what it adds to a small model's torque; it shows ${shows}`;
   const drawn = () => frame.replaceChildren(make("img", { alt, src: pictures.get(id) }));
   if (pictures.has(id)) return drawn();
   fetchPicture(id).then(
@@ -1418,9 +1562,9 @@ function limitWords(about2) {
 function enoughWords({ theta_min_rad: from, ...wider2 }, about2) {
   const { theta } = motionWords(about2);
   if (from !== void 0) return `${theta.name} from ${number(from)} to ${number(wider2.theta_max_rad)} ${theta.unit}`;
-  const [[name, to]] = Object.entries(wider2);
-  if (name === "duration_s") return `at most ${number(to)} s`;
-  const [called2, unit] = (limitWords(about2)[name] ?? name).split(", ");
+  const [[name2, to]] = Object.entries(wider2);
+  if (name2 === "duration_s") return `at most ${number(to)} s`;
+  const [called2, unit] = (limitWords(about2)[name2] ?? name2).split(", ");
   return `${called2} up to ${number(to, 4)} ${unit}`;
 }
 function ofLimits(said, about2) {
@@ -1428,12 +1572,12 @@ function ofLimits(said, about2) {
 }
 function inFormWords(said, about2) {
   const pairs = Object.entries(limitWords(about2));
-  return pairs.reduce((words4, [name, called2]) => words4.replaceAll(name, `“${called2}”`), said);
+  return pairs.reduce((words4, [name2, called2]) => words4.replaceAll(name2, `“${called2}”`), said);
 }
 function bars({ names, d, standard_d, wrong_choice, came }, about2, told) {
   const share = (value) => `${100 * Math.log(Math.min(Math.max(value, LEAST_D), MOST_D) / LEAST_D) / Math.log(MOST_D / LEAST_D)}%`;
-  const row = (words4, value, name) => {
-    const bar2 = make("span", { class: `bar ${name}` });
+  const row = (words4, value, name2) => {
+    const bar2 = make("span", { class: `bar ${name2}` });
     const line2 = make("span", { class: "told" });
     bar2.style.width = share(value);
     line2.style.left = share(told);
@@ -1445,7 +1589,7 @@ function bars({ names, d, standard_d, wrong_choice, came }, about2, told) {
       make("span", { class: "figure", text: value > MOST_D ? `> ${MOST_D}` : number(value), title: number(value) })
     );
   };
-  const wrong = wrong_choice < 1e-3 ? "less than 0.1 %" : percent(wrong_choice);
+  const wrong = wrong_choice < 1e-4 ? "less than 0.01 %" : `${number(100 * wrong_choice, 2)} %`;
   return [
     make("p", {}, make("strong", {}, ...nodes(names[0], about2), " or ", ...nodes(names[1], about2)), `: the wrong one is chosen in ${wrong}`),
     row("this motion", d, "promised"),
@@ -1505,15 +1649,18 @@ var Mapping = class {
     this.counts.addEventListener("input", () => this.tell());
     this.perWhat = make("span", {});
     this.per = make("label", { class: "per", hidden: true }, this.perWhat, this.counts);
-    this.fields = Object.entries(TARGETS).map(([name, target]) => {
-      const text = make("input", { name, type: "text", autocomplete: "off", spellcheck: "false", "aria-label": target.words });
-      const unit = make("select", { "aria-label": `unit of ${target.words}`, name: `${name}-unit` });
+    this.fields = Object.entries(TARGETS).map(([name2, target]) => {
+      const text = make("input", { name: name2, type: "text", autocomplete: "off", spellcheck: "false", "aria-label": target.words });
+      const unit = make("select", { "aria-label": `unit of ${target.words}`, name: `${name2}-unit` });
       const range2 = make("span", { class: "range soft" });
-      const field3 = { name, target, text, unit, range: range2 };
+      const field3 = { name: name2, target, text, unit, range: range2 };
       text.addEventListener("focus", () => this.at = text);
       text.addEventListener("input", () => this.tell());
-      unit.addEventListener("change", () => this.chose(unit.value));
-      place4.append(make("div", {}, make("span", { text: target.words }), text, unit, name === "theta" ? this.per : null, range2));
+      unit.addEventListener("change", () => {
+        if (name2 === "theta") this.follow(unit.value);
+        this.chose(unit.value);
+      });
+      place4.append(make("div", {}, make("span", { text: target.words }), text, unit, name2 === "theta" ? this.per : null, range2));
       return field3;
     });
     this.at = this.fields[0].text;
@@ -1531,11 +1678,11 @@ var Mapping = class {
   /** What the import is to be told; nothing where nothing is filled in. */
   options() {
     const filled = this.fields.filter(({ text }) => text.value.trim());
-    const map = filled.map(({ name, text, unit }) => {
+    const map = filled.map(({ name: name2, text, unit }) => {
       const written = text.value.trim();
-      if (saysUnit(written) || !unit.value) return `${name}=${written}`;
-      if (unit.value !== COUNTS) return `${name}=${written} [${unit.value}]`;
-      return `${name}=(${written})/${this.counts.value.trim()} [${PER[this.kind ?? "rotary"].unit}]`;
+      if (saysUnit(written) || !unit.value) return `${name2}=${written}`;
+      if (unit.value !== COUNTS) return `${name2}=${written} [${unit.value}]`;
+      return `${name2}=(${written})/${this.counts.value.trim()} [${PER[this.kind ?? "rotary"].unit}]`;
     });
     const options = map.length > 0 ? { map: map.join(", ") } : {};
     if (map.length > 0 && this.kind) options.coordinate = this.kind;
@@ -1580,7 +1727,7 @@ var Mapping = class {
     this.found.replaceChildren(...columns.map((column) => this.tile(column)));
     for (const field3 of this.fields) {
       const known2 = guess[field3.name];
-      const same = columns.some(({ name }) => name === field3.name) ? field3.name : "";
+      const same = columns.some(({ name: name2 }) => name2 === field3.name) ? field3.name : "";
       if (field3.text.value) continue;
       field3.text.value = known2 ? plain3(known2.expression.replace(/^`([^`]*)`$/, "$1")) : same;
       const unit = known2?.unit ?? (field3.name === "t" && known2 ? this.seconds(field3.text.value) : "");
@@ -1591,11 +1738,11 @@ var Mapping = class {
   }
   /** The second, where a time without a unit can hardly be in another one. @param {string} written */
   seconds(written) {
-    const column = this.columns.find(({ name }) => plain3(name) === written);
+    const column = this.columns.find(({ name: name2 }) => plain3(name2) === written);
     return column && rateOf(column) >= RATE ? "s" : "";
   }
   /** @param {FileColumn} column */
-  tile({ name, low, high, outline }) {
+  tile({ name: name2, low, high, outline }) {
     const range2 = `${number(low)} … ${number(high)}`;
     const canvas = make("canvas", { "aria-hidden": "true", ...SIZE2 });
     draw(canvas, outline);
@@ -1603,9 +1750,9 @@ var Mapping = class {
       "button",
       {
         ...{ type: "button", title: "put into the chosen field" },
-        on: { click: () => this.put(name) }
+        on: { click: () => this.put(name2) }
       },
-      make("strong", { text: name }),
+      make("strong", { text: name2 }),
       " ",
       canvas,
       make("span", { class: "soft", text: range2 })
@@ -1627,6 +1774,13 @@ var Mapping = class {
     field3.unit.value = known2 ? unit : "";
     this.chose(field3.unit.value);
   }
+  /** What a position is in is most often what its velocity is in a second: filled in where nothing is yet. @param {string} unit */
+  follow(unit) {
+    for (const [name2, following] of [["omega", `${unit}/s`], ["alpha", `${unit}/s^2`]]) {
+      const field3 = this.fields.find((one) => one.name === name2);
+      if (field3 && field3.text.value.trim() && !field3.unit.value) this.measure(field3, following);
+    }
+  }
   /** A unit was chosen: one of a length says that the axis slides. @param {string} unit */
   chose(unit) {
     for (const [at, kind] of KINDS2.entries()) {
@@ -1638,7 +1792,7 @@ var Mapping = class {
   /** Offer the units of the kind of axis, and say what each column would be in them. */
   tell() {
     const kind = this.kind;
-    const counted2 = this.fields.find(({ name }) => name === "theta");
+    const counted2 = this.fields.find(({ name: name2 }) => name2 === "theta");
     this.per.hidden = counted2?.unit.value !== COUNTS || saysUnit(counted2.text.value.trim());
     this.perWhat.textContent = `counts in a ${PER[kind ?? "rotary"].words}${kind ? "" : " (or a millimetre)"}`;
     for (const { target, text, unit, range: range2 } of this.fields) {
@@ -1647,7 +1801,7 @@ var Mapping = class {
       const options = [make("option", { value: "", text: "unit?" }), ...offered.map((one) => make("option", { value: one, text: one }))];
       if (unit.options.length !== options.length || unit.options[1].value !== offered[0]) unit.replaceChildren(...options);
       unit.value = offered.includes(chosen) ? chosen : "";
-      const column = this.columns.find(({ name }) => plain3(name) === text.value.trim());
+      const column = this.columns.find(({ name: name2 }) => plain3(name2) === text.value.trim());
       range2.textContent = column ? spread(column, unit.value, Number(this.counts.value), kind) : "";
     }
   }
@@ -1686,7 +1840,7 @@ function draw(canvas, outline) {
 
 // src/files.js
 function opening(heard) {
-  const dialog2 = (
+  const dialog3 = (
     /** @type {HTMLDialogElement} */
     byId("open-dialog")
   );
@@ -1706,10 +1860,10 @@ function opening(heard) {
   let waiting = [];
   let alike = [];
   const mapping = new Mapping(byId("open-map"), byId("open-columns"));
-  const opened = (name) => {
-    dialog2.close();
+  const opened = (name2) => {
+    dialog3.close();
     told.textContent = "";
-    heard.say(`opened ${name}`);
+    heard.say(`opened ${name2}`);
     heard.done();
   };
   const refused = (reason2) => {
@@ -1719,7 +1873,7 @@ function opening(heard) {
       mapping.show(reason2.columns, reason2.guess);
       byId("open-more").setAttribute("open", "");
     }
-    if (!dialog2.open) dialog2.showModal();
+    if (!dialog3.open) dialog3.showModal();
   };
   const each = async (given, read) => {
     try {
@@ -1746,16 +1900,16 @@ function opening(heard) {
   const fresh = (files) => {
     mapping.clear();
     [path.value, alike] = ["", []];
-    byId("open-named").textContent = `chosen: ${files.map(({ name }) => name).join(", ")}`;
+    byId("open-named").textContent = `chosen: ${files.map(({ name: name2 }) => name2).join(", ")}`;
     return take(files);
   };
   byId("open").addEventListener("click", () => {
     mapping.clear();
     [waiting, alike] = [[], []];
     told.textContent = byId("open-named").textContent = "";
-    dialog2.showModal();
+    dialog3.showModal();
   });
-  byId("open-close").addEventListener("click", () => dialog2.close());
+  byId("open-close").addEventListener("click", () => dialog3.close());
   chosen.addEventListener("change", () => {
     fresh([...chosen.files ?? []]);
     chosen.value = "";
@@ -1795,11 +1949,11 @@ function saving(heard) {
       byId("save").removeAttribute("open");
       try {
         heard.say(`making the ${what} …`);
-        const { name, blob } = await download(what);
-        const link2 = make("a", { href: URL.createObjectURL(blob), download: name });
+        const { name: name2, blob } = await download(what);
+        const link2 = make("a", { href: URL.createObjectURL(blob), download: name2 });
         link2.click();
         setTimeout(() => URL.revokeObjectURL(link2.href), 1e4);
-        heard.say(`saved ${name}`);
+        heard.say(`saved ${name2}`);
       } catch (reason2) {
         heard.failed(reason2);
       }
@@ -1839,7 +1993,7 @@ async function showHidden({ captures, active }) {
 function showStanding({ hints, more, wrong, found: found2, hidden, solved, given_up, sealed, score }) {
   document.body.classList.toggle("sealed", sealed);
   byId("unseal").hidden = !sealed;
-  byId("hides").classList.toggle("well", solved && !given_up);
+  byId("challenge-said").classList.toggle("well", solved && !given_up);
   byId("challenge-score").textContent = `${score} points`;
   byId("challenge-said").textContent = standingWords({ wrong, found: found2, hidden, solved, given_up });
   byId("challenge-hints").replaceChildren(...hints.map((text) => make("li", { text })));
@@ -2064,7 +2218,7 @@ function drawCurve(canvas, curve, about2, looked) {
   const shown2 = curve.times ? { factor: 1, unit: "" } : torqueScale(about2);
   const y = { low, high, factor: shown2.factor, label: `left over${curve.times ? ` / (${curve.times})` : `, ${shown2.unit}`}` };
   const names = { ink: "--ink", soft: "--soft", line: "--grid", band: "--band", wrong: "--wrong", law: "--signature", rest: "--measured" };
-  const colours = Object.fromEntries(Object.entries(names).map(([name, style]) => [name, styleValue(style, canvas)]));
+  const colours = Object.fromEntries(Object.entries(names).map(([name2, style]) => [name2, styleValue(style, canvas)]));
   const first = { low: x[0], high: x[x.length - 1], factor: 1, label: overWords(curve.over, about2) };
   drawAxes(brush, { width, height }, { x: first, y, title: "", colours: (
     /** @type {any} */
@@ -2134,7 +2288,7 @@ function drawSurface(canvas, surface, about2, law) {
   [canvas.width, canvas.height] = [Math.round(width * scale), Math.round(height * scale)];
   brush.scale(scale, scale);
   const names = { ink: "--ink", soft: "--soft", line: "--grid", band: "--band", wrong: "--wrong", low: "--modelled" };
-  const colours = Object.fromEntries(Object.entries(names).map(([name, style]) => [name, styleValue(style, canvas)]));
+  const colours = Object.fromEntries(Object.entries(names).map(([name2, style]) => [name2, styleValue(style, canvas)]));
   const [x, y] = [surface.x, surface.y].map((places, at) => ({
     ...ends(places),
     ...{ factor: 1, label: overWords(surface.over[at], about2) }
@@ -2188,6 +2342,7 @@ var Laws = class {
     this.about = null;
     new ResizeObserver(() => this.draw()).observe(byId("curve"));
     new ResizeObserver(() => this.draw()).observe(byId("surface"));
+    new ResizeObserver(() => fitFormulas(place4)).observe(place4);
     const form = (
       /** @type {HTMLFormElement} */
       byId("own-form")
@@ -2279,6 +2434,7 @@ var Laws = class {
     this.shown = shown2;
     byId("own").hidden = node === null;
     this.about = { curve, surface, ...aboutOf(state) };
+    showHow(this.about);
     this.draw();
     const nothing = candidates.rows.length === 0 && candidates.unexplained === null;
     if (!candidates.ready || node === null || proposed === null && nothing) {
@@ -2290,43 +2446,41 @@ var Laws = class {
       });
       this.place.replaceChildren(make("p", {}, ask2));
     } else {
-      const { coordinate } = this.about;
-      const said = proposed_said.map((part) => typeof part === "string" ? writtenOf(part, coordinate) : part);
       const list = proposed.map((law, at) => this.item(law, at + 1, rmse ?? law.rmse));
       this.place.replaceChildren(
-        make("p", { class: "soft small", role: "status" }, ...nodes(said, this.about)),
+        make("p", { class: "soft small", role: "status" }, ...nodes(proposed_said, this.about)),
         ...list.length > 0 ? [make("ul", { class: "laws", "aria-label": "laws that are proposed" }, ...list)] : []
       );
+      fitFormulas(this.place);
     }
   }
   /** @param {Law} row @param {number} number @param {number} rmse what is left without it */
-  item({ label, law, variables, words: words4, doubt, rmse: left, start }, number2, rmse) {
-    const coordinate = this.about?.coordinate ?? "rotary";
+  item({ label, law, variables, words: words4, doubt, rmse: left, start }, number3, rmse) {
     const of = `of ${variables.map(variableOf).join(", ")}`;
     const edit = make("button", {
-      ...{ type: "button", text: "Edit…", "aria-label": `edit law ${number2}`, title: "as a formula of your own" },
+      ...{ type: "button", text: "Edit…", "aria-label": `edit law ${number3}`, title: "as a formula of your own" },
       on: { click: () => edited(law, start) }
     });
     const take = make("button", {
-      ...{ type: "submit", text: "Add", "aria-label": `add law ${number2}` },
+      ...{ type: "submit", text: "Add", "aria-label": `add law ${number3}` },
       ...{ title: "fit it with the model, as an effect of this name" }
     });
-    const name = make("input", {
+    const name2 = make("input", {
       ...{ type: "text", name: "name", size: 8, placeholder: "law", spellcheck: "false", autocomplete: "off" },
-      "aria-label": `name of law ${number2}`
+      "aria-label": `name of law ${number3}`
     });
-    const form = make("form", {}, edit, name, take);
+    const form = make("form", {}, edit, name2, take);
     form.addEventListener("submit", (event) => {
       event.preventDefault();
       this.deeds.take(
-        number2,
+        number3,
         /** @type {HTMLInputElement} */
-        name.value
+        name2.value
       );
     });
     const look = () => {
-      this.draw(number2);
-      this.deeds.look(number2);
+      this.draw(number3);
+      this.deeds.look(number3);
     };
     const away = () => {
       this.draw();
@@ -2335,7 +2489,8 @@ var Laws = class {
     return make(
       "li",
       { class: "law", on: { pointerenter: look, pointerleave: away, focusin: look, focusout: away } },
-      make("code", { text: `${number2}. ${writtenOf(label, coordinate)}`, title: `typed as ${law}` }),
+      // What is drawn by splines has a name, and no formula that anybody reads.
+      make("div", { class: "written", title: `typed as ${law}` }, `${number3}.`, label === law ? lawOf({ latex: "", law }) : make("span", { text: label })),
       make("span", { class: "figure", text: percent(left / rmse - 1), title: "fall of the RMS error" }),
       make("span", { class: "soft", text: [...words4, of].join("; ") }),
       doubt ? make("span", { class: "doubt", text: `⚠ ${doubt}` }) : null,
@@ -2343,14 +2498,27 @@ var Laws = class {
     );
   }
 };
+function showHow(about2) {
+  const slides = about2.coordinate === "linear";
+  const [place4, speed, change] = slides ? ["x", "v", "dv/dt"] : ["theta", "omega", "alpha"];
+  const word = torqueWord(about2.unit);
+  byId("own-word").textContent = `${word.slice(0, 1).toUpperCase()}${word.slice(1)}`;
+  byId("own-how").textContent = `It answers the ${word} in ${about2.unit}, of t, ${place4}, ${speed}, ${change}, direction and s, the way since a reversal; abs(load)*sign(${speed}) is friction under a load; every other name is a parameter.`;
+  const law = (
+    /** @type {HTMLInputElement} */
+    /** @type {HTMLFormElement} */
+    byId("own-form").elements.namedItem("law")
+  );
+  law.placeholder = `2 a (${speed}/w) / (1 + (${speed}/w)^2)`;
+}
 function edited(law, start) {
   const form = (
     /** @type {HTMLFormElement} */
     byId("own-form")
   );
   byId("own").open = true;
-  for (const [name, value] of Object.entries({ law, guess: start, name: "" })) {
-    const typed = form.elements.namedItem(name);
+  for (const [name2, value] of Object.entries({ law, guess: start, name: "" })) {
+    const typed = form.elements.namedItem(name2);
     if (typed instanceof HTMLInputElement) typed.value = value;
   }
   form.elements.namedItem("law").focus();
@@ -2738,7 +2906,7 @@ var Plot = class {
    * @param {string} name in words, for those who hear the page
    * @param {(plot: Plot, region: Region | null) => void} brushed
    */
-  constructor(name, brushed) {
+  constructor(name2, brushed) {
     this.brushed = brushed;
     this.base = make("canvas", { class: "points" });
     this.light = make("canvas", { class: "points light" });
@@ -2748,7 +2916,7 @@ var Plot = class {
     this.marked = null;
     this.element = make(
       "div",
-      { class: "plot", tabindex: 0, role: "img", "aria-label": name },
+      { class: "plot", tabindex: 0, role: "img", "aria-label": name2 },
       ...[this.base, this.light, this.axes, this.box, this.dot]
     );
     this.contents = null;
@@ -2761,8 +2929,8 @@ var Plot = class {
     this.scale = 1;
   }
   /** @param {string} name of a colour in the style sheet */
-  colour(name) {
-    return styleValue(name, this.element);
+  colour(name2) {
+    return styleValue(name2, this.element);
   }
   /** @param {Contents} contents */
   show(contents) {
@@ -2844,7 +3012,7 @@ var Plot = class {
     if (!brush || !this.contents) return;
     const { title, xAxis, yAxis, noise, bins, spectrum } = this.contents;
     const names = ["--ink", "--soft", "--grid", "--band", "--wrong"];
-    const [ink, soft, line2, band2, wrong] = names.map((name) => this.colour(name));
+    const [ink, soft, line2, band2, wrong] = names.map((name2) => this.colour(name2));
     const colours = { ink, soft, line: line2, band: band2, wrong };
     brush.scale(this.scale, this.scale);
     drawAxes(brush, { width, height }, { x: xAxis, y: yAxis, title, colours, noise, bins, spectrum });
@@ -3015,9 +3183,9 @@ function zoomable(plot, deeds) {
     event.preventDefault();
   });
 }
-function zoomed([low, high], whole, at, factor) {
+function zoomed([low, high], whole, at, factor2) {
   const all = whole[1] - whole[0];
-  const span4 = Math.max(CLOSEST * all, factor * (high - low));
+  const span4 = Math.max(CLOSEST * all, factor2 * (high - low));
   if (!(span4 < all)) return null;
   const fixed = low + at * (high - low);
   return within2([fixed - at * span4, fixed + (1 - at) * span4], whole);
@@ -3057,7 +3225,7 @@ var Linked = class {
       put(element2, Math.floor(at / 3) + 1, at % 3 + 1);
     }
     const deeds = {
-      zoom: (plot, at, factor) => this.look(plot, (seen2, whole) => zoomed(seen2, whole, at, factor)),
+      zoom: (plot, at, factor2) => this.look(plot, (seen2, whole) => zoomed(seen2, whole, at, factor2)),
       pan: (plot, share) => this.look(plot, (seen2, whole) => panned(seen2, whole, share)),
       whole: (plot) => this.look(plot, () => null)
     };
@@ -3152,7 +3320,7 @@ var Linked = class {
       for (const element2 of [this.residuals[at].element, this.pickers[at]]) element2.classList.toggle("wide", along === "frequency");
       for (const kind of [0, 2]) this.rows[at][kind].element.toggleAttribute("hidden", along === "frequency");
       for (const [kind, plot] of this.rows[at].entries()) {
-        plot.element.setAttribute("aria-label", kinds[kind].replace("%", AXES[along].words));
+        plot.element.setAttribute("aria-label", kinds[kind].replace("%", axisWord(along, data.unit)));
         if (along === this.axes[at]) continue;
         plot.setRegion(null);
         this.heights.delete(plot);
@@ -3375,8 +3543,8 @@ function unpacked(buffer) {
   const end = new Uint8Array(buffer).indexOf(10);
   const head2 = JSON.parse(new TextDecoder().decode(buffer.slice(0, end)));
   const start = Math.ceil((end + 1) / 4) * 4;
-  const columns = head2.names.map((name, at) => [
-    name,
+  const columns = head2.names.map((name2, at) => [
+    name2,
     new Float32Array(buffer, start + 4 * at * head2.n, head2.n)
   ]);
   return { head: head2, columns: Object.fromEntries(columns) };
@@ -3421,19 +3589,19 @@ var Store = class {
    * @returns {Promise<Float32Array>}
    */
   async explained(node, captures, what, { verb, asked: asked2 }, signal) {
-    const name = `signature of ${what}`;
+    const name2 = `signature of ${what}`;
     const parts = await Promise.all(
       captures.map(async (capture) => {
         const key2 = `${capture} ${node}`;
-        const known2 = this.kept.get(key2)?.[name];
-        if (known2) return { [name]: known2 };
+        const known2 = this.kept.get(key2)?.[name2];
+        if (known2) return { [name2]: known2 };
         const fetched = decode(await fetchBytes(`/api/${verb}`, { node, capture, ...asked2 }, signal));
         const column = Object.values(fetched)[0];
-        this.keep(key2, { [name]: column });
-        return { [name]: column };
+        this.keep(key2, { [name2]: column });
+        return { [name2]: column };
       })
     );
-    return joined(parts, [name])[name];
+    return joined(parts, [name2])[name2];
   }
   /** Forget what something would explain: it is another by now. @param {string} what */
   forget(what) {
@@ -3445,7 +3613,7 @@ var Store = class {
     const have = () => ({ ...this.kept.get(capture), ...this.kept.get(key2) });
     while (this.coming.has(key2)) await this.coming.get(key2)?.catch(() => {
     });
-    const lacking = names.filter((name) => !(name in have()));
+    const lacking = names.filter((name2) => !(name2 in have()));
     if (lacking.length > 0) {
       const coming = this.fetch(node, capture, lacking).finally(() => this.coming.delete(key2));
       this.coming.set(key2, coming);
@@ -3456,8 +3624,8 @@ var Store = class {
   /** @param {string} node @param {string} capture @param {string[]} names */
   async fetch(node, capture, names) {
     const entries = Object.entries(decode(await fetchBytes("/api/arrays", { node, capture, names: names.join(",") })));
-    this.keep(capture, Object.fromEntries(entries.filter(([name]) => MOTION.has(name))));
-    this.keep(`${capture} ${node}`, Object.fromEntries(entries.filter(([name]) => !MOTION.has(name))));
+    this.keep(capture, Object.fromEntries(entries.filter(([name2]) => MOTION.has(name2))));
+    this.keep(`${capture} ${node}`, Object.fromEntries(entries.filter(([name2]) => !MOTION.has(name2))));
   }
   /** @param {string} key @param {Columns} columns */
   keep(key2, columns) {
@@ -3469,19 +3637,19 @@ var Store = class {
   }
 };
 function joined(parts, names) {
-  if (parts.length === 1) return Object.fromEntries(names.map((name) => [name, parts[0][name]]));
+  if (parts.length === 1) return Object.fromEntries(names.map((name2) => [name2, parts[0][name2]]));
   const whole = {};
-  for (const name of names) {
-    whole[name] = new Float32Array(parts.reduce((total, part) => total + part[name].length, 0));
+  for (const name2 of names) {
+    whole[name2] = new Float32Array(parts.reduce((total, part) => total + part[name2].length, 0));
     let [at, elapsed] = [0, 0];
     for (const part of parts) {
-      const column = part[name];
-      if (name === "t") {
+      const column = part[name2];
+      if (name2 === "t") {
         const start = column[0] ?? 0;
-        for (let i = 0; i < column.length; i++) whole[name][at + i] = column[i] - start + elapsed;
+        for (let i = 0; i < column.length; i++) whole[name2][at + i] = column[i] - start + elapsed;
         elapsed += (column.at(-1) ?? start) - start;
       } else {
-        whole[name].set(column, at);
+        whole[name2].set(column, at);
       }
       at += column.length;
     }
@@ -3509,7 +3677,7 @@ var Live = class {
    */
   constructor(heard) {
     this.heard = heard;
-    this.plots = PLOTS.map(({ name }) => new Plot(`${name}, as it is recorded`, () => {
+    this.plots = PLOTS.map(({ name: name2 }) => new Plot(`${name2}, as it is recorded`, () => {
     }));
     byId("live-plots").append(...this.plots.map(({ element: element2 }) => element2));
     this.columns = {};
@@ -3569,7 +3737,7 @@ var Live = class {
     const since = String(this.columns.t?.length ?? 0);
     const { head: head2, columns } = unpacked(await fetchBytes("/api/live", { since }));
     this.told = head2.live ?? null;
-    for (const [name, more] of Object.entries(columns)) this.columns[name] = appended(this.columns[name], more);
+    for (const [name2, more] of Object.entries(columns)) this.columns[name2] = appended(this.columns[name2], more);
     if (this.waiting) return;
     this.waiting = true;
     timed("live", () => {
@@ -3633,7 +3801,7 @@ var Live = class {
       `${thousands(Math.round(rate_hz ?? 0))} Hz`
     ];
     if (peak) figures.push(`peak ${number(peak * scale.factor)} ${scale.unit}, allowed ${number(limit * scale.factor)}`);
-    for (const [name, count] of Object.entries(clipped)) if (count) figures.push(`${name} saturated ${count} times`);
+    for (const [name2, count] of Object.entries(clipped)) if (count) figures.push(`${name2} saturated ${count} times`);
     if (typeof temperature === "number") figures.push(`${Math.round(temperature)} °C`);
     byId("live-figures").textContent = figures.join(" · ");
     byId("live-figures").classList.toggle("wrong", missing > 0);
@@ -3643,12 +3811,12 @@ var Live = class {
   draw() {
     const { t } = this.columns;
     if (!t || t.length === 0 || byId("live").hidden) return;
-    for (const [at, { x, y, name }] of PLOTS.entries()) {
+    for (const [at, { x, y, name: name2 }] of PLOTS.entries()) {
       const [low, high] = limits([this.columns[y]]);
       const across = x === "t" ? [0, span2(t[t.length - 1], this.told?.total_s)] : limits([this.columns[x]]);
       const scale = y === "tau" ? torqueScale({ unit: "N m", peak: Math.max(-low, high) }) : null;
       this.plots[at].show({
-        title: name,
+        title: name2,
         x: this.columns[x],
         xAxis: { low: across[0], high: across[1], factor: 1, label: WORDS[x] },
         yAxis: { low, high, factor: scale?.factor ?? 1, label: scale ? `${WORDS[y]}, ${scale.unit}` : WORDS[y] },
@@ -3700,13 +3868,13 @@ function showMoment(data, at) {
   const modelled = tau[at] - residual[at];
   let largest3 = 0;
   for (let i = 0; i < tau.length; i++) if (Math.abs(tau[i]) > largest3) largest3 = Math.abs(tau[i]);
-  const { factor, unit } = torqueScale(data);
-  const shown2 = (value) => number(value * factor);
+  const { factor: factor2, unit } = torqueScale(data);
+  const shown2 = (value) => number(value * factor2);
   byId("moment-words").textContent = `${number(t[at], 4)} s, ${number(theta[at])} ${way.unit}, ${number(omega[at])} ${rate.unit}; ${torqueWord(data.unit)} ` + (counts ? `${shown2(tau[at])} measured, ${shown2(modelled)} modelled, ${shown2(residual[at])} ${unit} left` : `masked: it does not count`);
   brush.scale(scale, scale);
   brush.lineWidth = 2.5;
-  const colours = ["--measured", "--modelled"].map((name) => styleValue(name, canvas));
-  const [ink, paper] = ["--ink", "--shade"].map((name) => styleValue(name, canvas));
+  const colours = ["--measured", "--modelled"].map((name2) => styleValue(name2, canvas));
+  const [ink, paper] = ["--ink", "--shade"].map((name2) => styleValue(name2, canvas));
   const torques = [tau[at], modelled].map((value) => counts ? value / (largest3 || 1) : 0);
   if (linear) slide(brush, place2(theta, at), torques, { ink, paper, colours });
   else knob(brush, theta[at], torques, { ink, paper, colours });
@@ -3948,7 +4116,7 @@ var Metronome = class {
     const across = (theta) => high > low ? air + (theta - low) / (high - low) * (width - 2 * air) : width / 2;
     const line2 = height - 42;
     const up = (t) => line2 - (t - now) / AHEAD * (line2 - 10);
-    const colour = (name) => styleValue(name, this.canvas);
+    const colour = (name2) => styleValue(name2, this.canvas);
     brush.strokeStyle = colour("--line");
     brush.lineWidth = 1;
     for (const end of [low, high]) stroke2(brush, [[across(end), 6], [across(end), line2 + 12]]);
@@ -3993,25 +4161,73 @@ function dot(brush, x, y, size, colour) {
   brush.fill();
 }
 
-// src/untold.js
-function insteadOf({ candidates, record, untold }) {
-  if (untold.length > 0) return "";
-  if (candidates.rows.some(({ could_be: could }) => could)) return "What to record next: that is known once what is missing is in the model.";
-  return record ? `What to record next, to see what it is: ${record}.` : "";
-}
-function showUntold(place4, { untold }, apart2) {
-  const rows = untold.map(
-    (effects) => make(
-      "li",
-      {},
-      ...listed([effects[0]], ""),
-      " came in; these captures cannot tell it from ",
-      ...listed(effects.slice(1), ", "),
-      ". ",
-      make("button", { type: "button", text: "Tell apart…", on: { click: () => apart2(effects) } })
-    )
+// src/port.js
+var Port = class {
+  /**
+   * @param {(how: Record<string, unknown>) => Promise<unknown>} attempt to record the motion from there
+   * @param {() => void} begun where a hand is to be led meanwhile
+   */
+  constructor(attempt, begun) {
+    this.attempt = attempt;
+    this.begun = begun;
+    this.fault = null;
+    this.by_hand = false;
+    byId("rig-close").addEventListener("click", () => dialog2().close());
+    byId("rig-form").addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.record({});
+    });
+    byId("rig-clear").addEventListener("click", () => this.record({ clear_fault: this.fault }));
+  }
+  /** Ask for the port of a rig. @param {boolean} by_hand */
+  async ask(by_hand) {
+    this.by_hand = by_hand;
+    byId("rig-said").textContent = "";
+    byId("rig-fault").hidden = true;
+    byId("rig-warning").hidden = by_hand;
+    try {
+      const known2 = await ask("sources");
+      byId("rig-ports").replaceChildren(...known2.ports.map(({ port: port2, words: words4 }) => make("option", { value: port2, text: words4 })));
+      const [port, folder] = ["port", "folder"].map(field);
+      if (!port.value && known2.ports.length === 1) port.value = known2.ports[0].port;
+      if (!folder.value) folder.value = known2.folder;
+    } catch (reason2) {
+      byId("rig-said").textContent = wordsOf(reason2);
+    }
+    dialog2().showModal();
+  }
+  /** @param {Record<string, unknown>} more */
+  async record(more) {
+    const [port, folder] = ["port", "folder"].map((name2) => field(name2).value);
+    byId("rig-said").textContent = "";
+    byId("rig-fault").hidden = true;
+    try {
+      await this.attempt({ port: port || " ", folder, by_hand: this.by_hand, ...more });
+      dialog2().close();
+      if (this.by_hand) this.begun();
+    } catch (reason2) {
+      const fault = reason2 instanceof Refusal ? reason2.fault : null;
+      this.fault = fault?.code ?? null;
+      byId("rig-said").textContent = fault?.told ?? wordsOf(reason2);
+      byId("rig-fault").hidden = fault === null;
+    }
+  }
+};
+function dialog2() {
+  return (
+    /** @type {HTMLDialogElement} */
+    byId("rig-dialog")
   );
-  place4.replaceChildren(...rows);
+}
+function field(name2) {
+  const { elements } = (
+    /** @type {HTMLFormElement} */
+    byId("rig-form")
+  );
+  return (
+    /** @type {HTMLInputElement} */
+    elements.namedItem(name2)
+  );
 }
 
 // src/within.js
@@ -4045,9 +4261,9 @@ var Within = class {
   /** Take what is typed; a field that is empty, or as it was filled, is for what the captures reached. */
   read() {
     this.wanted = {};
-    for (const { name, value, validity } of this.fields) {
-      if (validity.badInput) this.wanted[name] = "no number";
-      else if (value.trim() !== "" && Number(value) !== rounded(this.reached[name])) this.wanted[name] = Number(value);
+    for (const { name: name2, value, validity } of this.fields) {
+      if (validity.badInput) this.wanted[name2] = "no number";
+      else if (value.trim() !== "" && Number(value) !== rounded(this.reached[name2])) this.wanted[name2] = Number(value);
     }
     this.shown = "";
   }
@@ -4083,7 +4299,7 @@ var Within = class {
    */
   adopt(limits2) {
     if (Object.keys(this.wanted).length > 0) return;
-    const other = Object.entries(limits2).filter(([name, value]) => rounded(value) !== rounded(this.reached[name] ?? value));
+    const other = Object.entries(limits2).filter(([name2, value]) => rounded(value) !== rounded(this.reached[name2] ?? value));
     this.wanted = Object.fromEntries(other);
   }
   /**
@@ -4116,9 +4332,10 @@ var Next = class {
   constructor(deeds) {
     this.deeds = deeds;
     this.metronome = new Metronome(deeds.where);
-    this.within = new Within(() => this.design(this.effects ?? this.rivals));
+    this.within = new Within(() => this.again());
+    this.port = new Port((how) => this.attempt(how), () => this.metronome.begin());
     this.plots = ["angle over time", "velocity over angle", "torques of the rivals"].map(
-      (name) => new Plot(`${name} of the next experiment`, () => {
+      (name2) => new Plot(`${name2} of the next experiment`, () => {
       })
     );
     byId("next-plots").append(...this.plots.map(({ element: element2 }) => element2));
@@ -4126,8 +4343,7 @@ var Next = class {
     this.motion = null;
     this.loading = null;
     this.drawn = "";
-    this.fault = null;
-    this.by_hand = false;
+    this.effects = void 0;
     this.buttons();
     new ResizeObserver(() => this.draw()).observe(byId("next-plots"));
   }
@@ -4135,20 +4351,11 @@ var Next = class {
     byId("next-show").addEventListener("click", () => this.told ? this.open() : this.design([]));
     byId("next-close").addEventListener("click", () => this.close());
     byId("next-record").addEventListener("click", () => this.attempt({}));
-    byId("next-port").addEventListener("click", () => this.askPort(false));
+    byId("next-port").addEventListener("click", () => this.port.ask(false));
     byId("next-hand").addEventListener("click", () => this.lead());
     byId("next-file").addEventListener("click", () => this.save());
     byId("lead-record").addEventListener("click", () => this.recordHand());
-    byId("rig-close").addEventListener("click", () => rig().close());
-    byId("rig-form").addEventListener("submit", (event) => {
-      event.preventDefault();
-      this.fromPort({});
-    });
-    byId("rig-clear").addEventListener("click", () => this.fromPort({ clear_fault: this.fault }));
-    byId("next-bounds").addEventListener("click", () => {
-      this.open();
-      byId("next-within").open = true;
-    });
+    byId("next-bounds").addEventListener("click", () => this.bounds());
   }
   /** @returns {Experiment | null} */
   get told() {
@@ -4158,6 +4365,24 @@ var Next = class {
   get rivals() {
     const rivals = this.told?.rivals ?? [];
     return rivals.length > 1 ? rivals.map((rival) => effectsOf(rival).at(-1) ?? "") : [];
+  }
+  /** Which effects a motion would be for that is designed within other limits. @returns {string[]} */
+  get asked() {
+    return this.effects ?? (this.told || !this.state ? this.rivals : alikeOf(this.state));
+  }
+  /** Show the limits, before there is a motion as well. @param {string[]} [effects] that it would be for */
+  bounds(effects) {
+    if (effects) this.effects = effects;
+    this.open();
+    byId("next-within").open = true;
+  }
+  /** Design within the limits as they are now; where a motion waits for what is missing, they are kept for it. */
+  again() {
+    return this.waits ? this.close() : this.design(this.asked);
+  }
+  /** Whether there is nothing yet that a motion could be designed for. */
+  get waits() {
+    return this.state !== null && this.told === null && this.asked.length === 0 && insteadOf(this.state) !== "";
   }
   /**
    * Design a motion for effects, and show it; for none: for what is known least. Where none is within the limits, they
@@ -4218,6 +4443,7 @@ var Next = class {
   }
   /** @param {State} state */
   show(state) {
+    if (this.state?.node !== state.node) this.effects = void 0;
     this.state = state;
     showUntold(byId("untold"), state, (effects) => this.design(effects));
     const { experiment, node, recording, candidates } = state;
@@ -4225,14 +4451,15 @@ var Next = class {
     byId("next-show").textContent = experiment ? "Next experiment…" : "What to record next…";
     const instead = experiment === null ? insteadOf(state) : "";
     byId("next-show").hidden = instead !== "";
-    byId("next-bounds").hidden = instead !== "";
     byId("next").classList.toggle("without", experiment === null);
     if (node === null) byId("next").hidden = true;
     this.within.show(state);
     if (experiment === null) {
       byId("next-said").textContent = instead;
-      for (const id of ["next-time", "next-headline", "next-verdict"]) byId(id).textContent = "";
-      byId("next-again").textContent = "Design";
+      for (const id of ["next-time", "next-verdict"]) byId(id).textContent = "";
+      const { asked: asked2 } = this;
+      byId("next-headline").replaceChildren(...asked2.length > 1 ? ["For a motion that tells apart ", ...allOf(asked2), "."] : [instead]);
+      byId("next-again").textContent = this.waits ? "Keep" : "Design";
       return;
     }
     byId("next-said").replaceChildren(...nodes(experiment.verdict ?? experiment.promises, aboutOf(state)));
@@ -4267,7 +4494,7 @@ var Next = class {
     const led = tempi.size === 1 ? ` at ${[...tempi][0]} beats a minute` : "";
     byId("next-can").textContent = by_hand ? `By hand, led by a metronome${led}` : "For a motor";
     byId("next-no-hand").hidden = by_hand;
-    byId("next-steps").replaceChildren(...(by_hand ? steps : []).map(({ words: words4 }) => make("li", {}, words4)));
+    byId("next-steps").replaceChildren(...(by_hand ? steps : []).map(({ words: words4 }) => make("li", {}, sentence([words4], about2))));
   }
   /** @param {Experiment} experiment @param {State} state */
   async load(experiment, { node, active }) {
@@ -4286,10 +4513,10 @@ var Next = class {
     const { motion, recorded = [], state } = this;
     if (!motion || !state?.experiment || byId("next").hidden) return;
     const words4 = motionWords(aboutOf(state));
-    const both = (name) => [...recorded.map((part) => part[name]), motion[name]];
+    const both = (name2) => [...recorded.map((part) => part[name2]), motion[name2]];
     const since = recorded.map(({ t }) => t.map((value) => value - (t[0] ?? 0)));
-    const [over, across] = ["theta", "omega"].map((name) => ({ y: both(name), name }));
-    for (const [at, { y, name }] of [over, across].entries()) {
+    const [over, across] = ["theta", "omega"].map((name2) => ({ y: both(name2), name: name2 }));
+    for (const [at, { y, name: name2 }] of [over, across].entries()) {
       const x = at === 0 ? [...since, motion.t] : both("theta");
       const label = (one) => `${words4[one].name}, ${words4[one].unit}`;
       this.plots[at].show({
@@ -4298,7 +4525,7 @@ var Next = class {
         xAxis: at === 0 ? axis(limits(x), "time, s") : seen(x, label("theta")),
         yAxis: seen(y, label(
           /** @type {"theta" | "omega"} */
-          name
+          name2
         )),
         ...{ picked: 0, noise: null }
       });
@@ -4333,45 +4560,12 @@ var Next = class {
     else this.deeds.made();
     return true;
   }
-  /** Ask for the port of a rig. @param {boolean} by_hand */
-  async askPort(by_hand) {
-    this.by_hand = by_hand;
-    byId("rig-said").textContent = "";
-    byId("rig-fault").hidden = true;
-    byId("rig-warning").hidden = by_hand;
-    try {
-      const known2 = await ask("sources");
-      byId("rig-ports").replaceChildren(...known2.ports.map(({ port: port2, words: words4 }) => make("option", { value: port2, text: words4 })));
-      const [port, folder] = ["port", "folder"].map((name) => field("rig-form", name));
-      if (!port.value && known2.ports.length === 1) port.value = known2.ports[0].port;
-      if (!folder.value) folder.value = known2.folder;
-    } catch (reason2) {
-      byId("rig-said").textContent = wordsOf(reason2);
-    }
-    rig().showModal();
-  }
-  /** @param {Record<string, unknown>} more */
-  async fromPort(more) {
-    const [port, folder] = ["port", "folder"].map((name) => field("rig-form", name).value);
-    byId("rig-said").textContent = "";
-    byId("rig-fault").hidden = true;
-    try {
-      await this.attempt({ port: port || " ", folder, by_hand: this.by_hand, ...more });
-      rig().close();
-      if (this.by_hand) this.metronome.begin();
-    } catch (reason2) {
-      const fault = reason2 instanceof Refusal ? reason2.fault : null;
-      this.fault = fault?.code ?? null;
-      byId("rig-said").textContent = fault?.told ?? wordsOf(reason2);
-      byId("rig-fault").hidden = fault === null;
-    }
-  }
   /** Lead a hand through the motion; where it is for a motor, through one that a hand can make. */
   async lead() {
     if (this.told && !this.told.by_hand) {
       byId("next-only-hand").checked = true;
       this.within.read();
-      if (!await this.design(this.effects ?? this.rivals)) return;
+      if (!await this.design(this.asked)) return;
     }
     await this.loading;
     const { told, motion, state } = this;
@@ -4381,7 +4575,7 @@ var Next = class {
   /** Record while the hand is led: from the rig of before, or from one that is asked for. */
   async recordHand() {
     const source = this.told?.source ?? "";
-    if (!source.startsWith("the rig") && !source.startsWith("an emulated")) return this.askPort(true);
+    if (!source.startsWith("the rig") && !source.startsWith("an emulated")) return this.port.ask(true);
     if (await this.attempt({ by_hand: true })) this.metronome.begin();
   }
   async save() {
@@ -4396,22 +4590,6 @@ var Next = class {
     }
   }
 };
-function rig() {
-  return (
-    /** @type {HTMLDialogElement} */
-    byId("rig-dialog")
-  );
-}
-function field(form, name) {
-  const { elements } = (
-    /** @type {HTMLFormElement} */
-    byId(form)
-  );
-  return (
-    /** @type {HTMLInputElement} */
-    elements.namedItem(name)
-  );
-}
 function axis([low, high], label) {
   return { low, high, factor: 1, label };
 }
@@ -4439,10 +4617,13 @@ function clouds(x, y, [before, motion]) {
     ]
   };
 }
-function key(name, at) {
+function allOf(effects) {
+  return [...listed(effects.slice(0, -1), ", "), " and ", ...listed(effects.slice(-1), "")];
+}
+function key(name2, at) {
   const mark = make("i", {});
   mark.style.background = `var(${COLOURS[at % COLOURS.length]})`;
-  return make("span", { class: "key" }, mark, ...name);
+  return make("span", { class: "key" }, mark, ...name2);
 }
 function effectsOf(rival) {
   return rival.flatMap((part) => typeof part === "object" && "effect" in part ? [part.effect] : []);
@@ -4534,7 +4715,7 @@ var Params = class {
   show(params, together, about2) {
     showTogether(together);
     const units = params.map(({ unit }) => scaleOf(unit, about2));
-    const shape = JSON.stringify(params.map(({ name, fitted, lower, upper }, at) => [name, fitted, lower, upper, units[at]]));
+    const shape = JSON.stringify(params.map(({ name: name2, fitted, lower, upper }, at) => [name2, fitted, lower, upper, units[at]]));
     if (shape !== this.shape) this.build(params, about2);
     this.shape = shape;
     for (const [at, param] of params.entries()) {
@@ -4553,15 +4734,21 @@ var Params = class {
   build(params, about2) {
     const focused = document.activeElement?.getAttribute("data-param");
     this.rows.clear();
-    const groups = Map.groupBy(params, ({ name }) => name.split(".")[0]);
-    const lines = [...groups].flatMap(([effect, own]) => [
-      this.heading(effect, groups.size > 1),
-      ...own.flatMap((param) => {
-        const doubt = param.doubt ? sentence(withoutName(param.doubt, param.name), about2).trim() : "";
-        return [this.line(param, doubt, scaleOf(param.unit, about2)), own.length <= WORDED ? this.meaning(param) : "", reason(doubt)];
-      })
-    ]);
-    const widths = make("colgroup", {}, ...["name", "slide", "value", "unit"].map((name) => make("col", { class: name })));
+    const groups = Map.groupBy(params, ({ name: name2 }) => name2.split(".")[0]);
+    const lines = [...groups].flatMap(([effect, own]) => {
+      const doubts = own.map(({ name: name2, doubt }) => doubt ? sentence(withoutName(doubt, name2), about2).trim() : "");
+      const shared = sharedDoubts(own, doubts);
+      return [
+        this.heading(effect, groups.size > 1),
+        ...[...shared].map(([doubt, names]) => reason(`${names.join(", ")}: ${doubt}`)),
+        ...own.flatMap((param, at) => [
+          this.line(param, doubts[at], scaleOf(param.unit, about2)),
+          own.length <= WORDED ? this.meaning(param) : "",
+          shared.has(doubts[at]) ? "" : reason(doubts[at])
+        ])
+      ];
+    });
+    const widths = make("colgroup", {}, ...["name", "slide", "value", "unit"].map((name2) => make("col", { class: name2 })));
     this.place.replaceChildren(make("table", { class: "params" }, widths, make("tbody", {}, ...lines)));
     if (focused) this.rows.get(focused)?.slider.focus();
   }
@@ -4571,11 +4758,11 @@ var Params = class {
       ...{ type: "button", text: "×", title: `remove ${titleOf(effect)}`, "aria-label": `remove ${titleOf(effect)}` },
       on: { click: () => this.deeds.drop(effect) }
     });
-    const name = make("th", { scope: "rowgroup", colspan: 3, text: titleOf(effect), title: effect });
-    return make("tr", { class: "effect" }, name, make("td", { class: "remove" }, removable ? drop : ""));
+    const name2 = make("th", { scope: "rowgroup", colspan: 3, text: titleOf(effect), title: effect });
+    return make("tr", { class: "effect" }, name2, make("td", { class: "remove" }, removable ? drop : ""));
   }
   /** @param {Param} param @param {string} doubted why its value is doubted @param {ReturnType<typeof scaleOf>} scale */
-  line(param, doubted, { factor, unit }) {
+  line(param, doubted, { factor: factor2, unit }) {
     const { low, high } = span3(param);
     const slider = make("input", {
       ...{ type: "range", min: 0, max: STEPS, step: 1, value: place3(param.value, { low, high }) },
@@ -4583,9 +4770,9 @@ var Params = class {
       on: { input: () => this.drag(param.name) }
     });
     const value = make("span", { class: "figure" });
-    const error = make("span", { class: "error soft figure", text: plusMinus(param, factor) });
-    this.rows.set(param.name, { slider, value, error, apart: make("span"), low, high, factor });
-    const between3 = param.ci95 ? param.ci95.map((end) => number(end * factor)).join(" … ") : "not determined";
+    const error = make("span", { class: "error soft figure", text: plusMinus(param, factor2) });
+    this.rows.set(param.name, { slider, value, error, apart: make("span"), low, high, factor: factor2 });
+    const between3 = param.ci95 ? param.ci95.map((end) => number(end * factor2)).join(" … ") : "not determined";
     const doubt = doubted ? make("span", { class: "doubt", text: " ⚠", "aria-hidden": "true" }) : null;
     const about2 = [param.name, param.meaning, doubted].filter(Boolean).join(": ");
     return make(
@@ -4598,27 +4785,32 @@ var Params = class {
     );
   }
   /** What a parameter is, below it. @param {Param} param */
-  meaning({ name, meaning: words4 }) {
-    if (!words4) return "";
-    return make("tr", {}, make("td", { class: "meaning soft", colspan: 4 }, words4, this.rows.get(name)?.apart ?? ""));
+  meaning({ name: name2, meaning: words4 }) {
+    if (!words4 || name2.endsWith(`.${words4}`)) return "";
+    return make("tr", {}, make("td", { class: "meaning soft", colspan: 4 }, words4, this.rows.get(name2)?.apart ?? ""));
   }
   /** @param {string} name */
-  drag(name) {
-    const row = this.rows.get(name);
+  drag(name2) {
+    const row = this.rows.get(name2);
     if (!row) return;
     const value = row.low + Number(row.slider.value) / STEPS * (row.high - row.low);
     row.value.textContent = number(value * row.factor, 4);
     row.value.classList.add("moved");
-    this.deeds.drag({ [name]: value });
+    this.deeds.drag({ [name2]: value });
   }
 };
-function apart({ name, unit, value }) {
-  if (!name.endsWith(".P") || !(value > 0)) return "";
+function apart({ name: name2, unit, value }) {
+  if (!name2.endsWith(".P") || !(value > 0)) return "";
   if (unit !== "rad") return unit === "m" ? `: every ${number(2e3 * Math.PI * value, 4)} mm` : "";
   return `: ${number(1 / value, 4)} a turn, ${number(360 * value, 4)}° apart`;
 }
-function withoutName([first, ...rest], name) {
-  return typeof first === "object" && "param" in first && first.param === name ? rest : [first, ...rest];
+function withoutName([first, ...rest], name2) {
+  return typeof first === "object" && "param" in first && first.param === name2 ? rest : [first, ...rest];
+}
+function sharedDoubts(own, doubts) {
+  const letters = own.map(({ name: name2 }) => name2.split(".").slice(1).join("."));
+  const several = new Set(doubts.filter((doubt, at) => doubt !== "" && doubts.indexOf(doubt) !== at));
+  return new Map([...several].map((doubt) => [doubt, letters.filter((_, at) => doubts[at] === doubt)]));
 }
 function reason(doubt) {
   if (!doubt) return "";
@@ -4636,9 +4828,10 @@ function span3({ fitted, ci95, lower, upper }) {
   const reach2 = Math.max(Math.abs(fitted), half, 1e-9);
   return { low: Math.max(fitted - reach2, lower ?? -Infinity), high: Math.min(fitted + reach2, upper ?? Infinity) };
 }
-function plusMinus({ ci95, role }, factor = 1) {
-  if (!ci95) return role === "fixed" ? "fixed" : "± ?";
-  return ci95[1] > ci95[0] ? `± ${number(0.5 * factor * (ci95[1] - ci95[0]), 2)}` : "";
+function plusMinus({ ci95, role }, factor2 = 1) {
+  if (role === "fixed") return "fixed";
+  if (!ci95) return "± ?";
+  return ci95[1] > ci95[0] ? `± ${number(0.5 * factor2 * (ci95[1] - ci95[0]), 2)}` : "";
 }
 function interval(ci95, { low, high }) {
   if (!ci95 || !(high > low)) return null;
@@ -4656,7 +4849,7 @@ function place3(value, { low, high }) {
 var LEVELS = /* @__PURE__ */ new Set(["easy", "middling", "hard"]);
 var NUMBERS = /* @__PURE__ */ new Set(["duration_s", "speed", "seed", "baud"]);
 function sources(heard) {
-  const dialog2 = (
+  const dialog3 = (
     /** @type {HTMLDialogElement} */
     byId("new-dialog")
   );
@@ -4680,16 +4873,16 @@ function sources(heard) {
     byId("new-effects").hidden = valueOf(form, "hides") !== "chosen";
     go.textContent = source === "simulated" ? "Simulate" : "Record";
     if (!known2) return;
-    fill(form, "motion", Object.entries(known2.motions[source]).map(([name, words4]) => [name, `${name}: ${words4}`]));
+    fill(form, "motion", Object.entries(known2.motions[source]).map(([name2, words4]) => [name2, `${name2}: ${words4}`]));
     byId("new-warning").hidden ||= valueOf(form, "motion") === "hand" && !valueOf(form, "model").trim();
     const level = levelOf(form);
-    for (const name of ["knob", "motion", "duration_s", "seed"]) field2(form, name).disabled = level !== "";
-    const hideable = known2.knobs.find(({ name }) => name === valueOf(form, "knob"))?.hideable ?? [];
+    for (const name2 of ["knob", "motion", "duration_s", "seed"]) field2(form, name2).disabled = level !== "";
+    const hideable = known2.knobs.find(({ name: name2 }) => name2 === valueOf(form, "knob"))?.hideable ?? [];
     for (const box of byId("new-effects").querySelectorAll("input")) box.disabled = !hideable.includes(box.value);
   };
   const opened = async () => {
     shown2();
-    dialog2.showModal();
+    dialog3.showModal();
     told.textContent = "";
     byId("new-fault").hidden = true;
     if (!known2) byId("new-doing").textContent = "looking for knobs and rigs …";
@@ -4702,7 +4895,7 @@ function sources(heard) {
     } finally {
       byId("new-doing").textContent = "";
     }
-    fill(form, "knob", known2.knobs.map(({ name, words: words4 }) => [name, words4]), "knob3");
+    fill(form, "knob", known2.knobs.map(({ name: name2, words: words4 }) => [name2, words4]), "knob3");
     const { hideable } = known2.knobs[0];
     const every = [.../* @__PURE__ */ new Set([...hideable, ...known2.knobs.flatMap((knob2) => knob2.hideable)])];
     if (!byId("new-effects").querySelector("input")) byId("new-effects").append(...every.map(effectBox(known2)));
@@ -4729,8 +4922,8 @@ function sources(heard) {
   byId("new").addEventListener("click", opened);
   byId("new-first").addEventListener("click", opened);
   form.addEventListener("change", shown2);
-  byId("new-close").addEventListener("click", () => dialog2.close());
-  dialog2.addEventListener("close", () => {
+  byId("new-close").addEventListener("click", () => dialog3.close());
+  dialog3.addEventListener("close", () => {
     if (busy) post("stop", { keep: false }).catch(() => {
     });
   });
@@ -4752,7 +4945,7 @@ function sources(heard) {
         await post("record", asked2);
       }
       wait(false);
-      dialog2.close();
+      dialog3.close();
       (asked2.source === "simulated" ? heard.made : heard.recording)();
     } catch (reason2) {
       wait(false);
@@ -4771,8 +4964,8 @@ function preparing(what) {
 }
 function wanted(form) {
   const body = {};
-  for (const [name, value] of new FormData(form)) {
-    if (typeof value === "string" && name !== "effects") body[name] = NUMBERS.has(name) ? numeric(value) : value;
+  for (const [name2, value] of new FormData(form)) {
+    if (typeof value === "string" && name2 !== "effects") body[name2] = NUMBERS.has(name2) ? numeric(value) : value;
   }
   const chosen = [...form.querySelectorAll("#new-effects input:checked:not(:disabled)")];
   body.level = levelOf(form);
@@ -4789,38 +4982,38 @@ function levelOf(form) {
   return valueOf(form, "source") === "simulated" && LEVELS.has(hides) ? hides : "";
 }
 function numeric(value) {
-  const number2 = Number(value);
-  return value.trim() && Number.isFinite(number2) ? number2 : value;
+  const number3 = Number(value);
+  return value.trim() && Number.isFinite(number3) ? number3 : value;
 }
 function effectBox({ effects: shows, titles: titles2 }) {
-  return (name) => make(
+  return (name2) => make(
     "label",
-    { title: `${name}: ${shows[name] ?? ""}` },
-    make("input", { type: "checkbox", name: "effects", value: name }),
-    ` ${titles2[name] ?? name}`
+    { title: `${name2}: ${shows[name2] ?? ""}` },
+    make("input", { type: "checkbox", name: "effects", value: name2 }),
+    ` ${titles2[name2] ?? name2}`
   );
 }
 function found(ports) {
   if (ports.length === 0) return "This computer has no serial port now; a path can be typed all the same.";
   return ports.map(({ port, words: words4 }) => words4 && words4 !== "n/a" ? `${port} (${words4})` : port).join(", ");
 }
-function fill(form, name, choices, first) {
+function fill(form, name2, choices, first) {
   const list = (
     /** @type {HTMLSelectElement} */
-    form.elements.namedItem(name)
+    form.elements.namedItem(name2)
   );
   const before = list.value || first;
   list.replaceChildren(...choices.map(([value, text]) => make("option", { value, text })));
   if (choices.some(([value]) => value === before)) list.value = before ?? "";
 }
-function field2(form, name) {
+function field2(form, name2) {
   return (
     /** @type {HTMLInputElement} */
-    form.elements.namedItem(name)
+    form.elements.namedItem(name2)
   );
 }
-function valueOf(form, name) {
-  return String(new FormData(form).get(name) ?? "");
+function valueOf(form, name2) {
+  return String(new FormData(form).get(name2) ?? "");
 }
 
 // src/theme.js
@@ -4863,7 +5056,7 @@ function beside(added, [first, ...rest]) {
   const names = added.map(titleOf);
   const all = names.length > 1 ? `${names.slice(0, -1).join(", ")} and ${names.at(-1)}` : names[0];
   const begun = typeof first === "string" ? `${first.slice(0, 1).toLowerCase()}${first.slice(1)}` : first;
-  return [`With ${all} added: `, begun, ...rest];
+  return [`With ${all} added, `, begun, ...rest];
 }
 function leadOf(part, place4, { rows }, to) {
   if (typeof part === "string") return null;
@@ -4886,11 +5079,11 @@ function link({ words: words4, title, go, kind = "" }) {
 function plainly({ ready, rows }, about2, to) {
   const first = ready ? rows.find(({ could_be: could }) => could) : void 0;
   if (!first) return [];
-  const { effect, name, error_fall: fall, equivalent, unsettled } = first;
+  const { effect, name: name2, error_fall: fall, equivalent, unsettled } = first;
   const said = sentence(first.said, about2);
   const lead = (one) => ({ words: titleOf(one), ...towards(one, to) });
   return [
-    `${said.slice(0, 1).toUpperCase()}${said.slice(1)}: ${name} (`,
+    `${said.slice(0, 1).toUpperCase()}${said.slice(1)}: ${name2} (`,
     lead(effect),
     `), which takes ${percent(fall)} off the error. `,
     ...unsettled ? [`But ${unsettled}. `] : [],
@@ -4945,13 +5138,14 @@ var App = class {
       take: (effect) => this.ask("add", { effect }, "add"),
       ask: () => this.ask("diagnose"),
       about: (effect) => this.about(effect),
-      apart: (effects) => this.next.design(effects)
+      apart: (effects) => void this.next.design(effects),
+      bounds: (effects) => this.next.bounds(effects)
     };
     this.candidates = new Candidates(byId("candidates"), deeds, "Add");
     this.laws = new Laws(byId("laws"), {
       ask: () => this.ask("propose"),
-      look: (number2) => this.overlay.look(number2 === null ? null : `law ${number2}`, "law", { number: String(number2) }),
-      take: (number2, name) => this.ask("accept", { number: number2, name }, "add"),
+      look: (number3) => this.overlay.look(number3 === null ? null : `law ${number3}`, "law", { number: String(number3) }),
+      take: (number3, name2) => this.ask("accept", { number: number3, name: name2 }, "add"),
       add: async (formula) => await this.ask("formula", formula, "add") !== null,
       attempt: (formula, told) => this.overlay.attempt(formula, told)
     });
@@ -5174,13 +5368,13 @@ var App = class {
     const { what, start } = this.deed ?? { what: "data", start: performance.now() };
     this.deed = null;
     const fitted = !state.params.some(({ dragged }) => dragged);
-    const name = state.branches.find(({ id }) => id === state.branch)?.name;
+    const name2 = state.branches.find(({ id }) => id === state.branch)?.name;
     const beside2 = other && rest ? { name: other.name, residual: rest.residual } : null;
     showLegend(state, columns, beside2?.name ?? null);
     const splits = fitted ? this.store.splits.get(node) : [];
     const noise = state.noise_floor;
     const of = String(state.captures.filter(({ id }) => active.includes(id)).map((one) => one.name));
-    const data = { several: active.length > 1, of, below_hz: state.below_hz, columns, ...aboutOf(state), noise, fitted, name, beside: beside2, splits };
+    const data = { several: active.length > 1, of, below_hz: state.below_hz, columns, ...aboutOf(state), noise, fitted, name: name2, beside: beside2, splits };
     timed(what, () => {
       this.linked.show(data, view);
       if (this.brushedThen) this.linked.brushAgain(this.brushedThen);
