@@ -51,7 +51,7 @@ use separable::{Effort, Layout, at_least_own, descend};
 use serial::{Meat, serial, thinned};
 use solve::{Normal, independent, solvable};
 use std::cell::OnceCell;
-use undetermined::{SILENT, silent, undetermined};
+use undetermined::{SILENT, silent, undetermined, wild};
 use uneven::louder;
 
 /// Blocks of the block bootstrap and of the held-out error.
@@ -297,7 +297,9 @@ fn finish(
     let blocks = blocks.done();
     let at = Moments::of_all(k, &blocks);
     let gram = |i: usize, j: usize| at.gram(i, j);
-    let kept = solvable(gram, independent(gram, &layout.linear_first()));
+    let told: Vec<usize> =
+        layout.linear_first().into_iter().filter(|c| !wild(&model, layout, &at, *c)).collect();
+    let kept = solvable(gram, independent(gram, &told));
     let serial = serial(&residuals.iter().map(Vec::as_slice).collect::<Vec<_>>());
     let mut meat = Meat::new(&serial, k, every);
     if serial.coefficients.is_empty() {

@@ -45,7 +45,20 @@ pub(super) fn silent(data: &[&Signals], model: &Model) -> Vec<String> {
     linear.iter().zip(heard).filter(|(_, heard)| !heard).map(|(&i, _)| slots[i].name()).collect()
 }
 
-/// Says why a column is not determined: it is silent, or a combination of others.
+/// Times what is left that a parameter as large as it is may move the torque by, by its derivative.
+const WILD: f64 = 1e8;
+/// Why one that moves it by more is undetermined.
+const LEAPS: &str =
+    "behind the joint the least change of it leads to another motion; record a slower or smaller one";
+
+/// Whether a derivative tells nothing: where surfaces knock again and again each knock multiplies what the one before it
+/// was off by, until the last digit of a parameter decides where the knob is.
+pub(super) fn wild(model: &Model, layout: &Layout, at: &Moments, column: usize) -> bool {
+    let value = model.slots()[layout.free[column]].value;
+    model.is_coupled() && at.gram(column, column) * value * value > WILD * WILD * at.squares()
+}
+
+/// Says why a column is not determined: it is silent or wild, or a combination of others.
 pub(super) fn undetermined(
     model: &Model,
     layout: &Layout,
@@ -55,7 +68,9 @@ pub(super) fn undetermined(
 ) -> Undetermined {
     let name = |column: usize| model.slots()[layout.free[column]].name();
     let length = at.gram(column, column);
-    let why = if length > 0.0 {
+    let why = if wild(model, layout, at, column) {
+        LEAPS.into()
+    } else if length > 0.0 {
         let along = Normal::of(|i, j| at.gram(i, j), kept)
             .map(|normal| normal.solve(|i| at.gram(kept[i], column)))
             .unwrap_or_default();
@@ -69,4 +84,34 @@ pub(super) fn undetermined(
         SILENT.into()
     };
     Undetermined { name: name(column), why }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::Id;
+    use crate::param::Axis;
+
+    #[test]
+    fn a_derivative_of_which_the_last_digit_moves_all_is_told_to_be_wild_behind_a_joint_and_nowhere_else() {
+        let bare = Model::equation_1(Axis::Rotary, false);
+        let joined = bare.with(Id::Compliance).unwrap();
+        for (mut model, behind) in [(bare, false), (joined, true)] {
+            model.set("inertia.M", 2e-4).unwrap();
+            let layout = Layout::of(&model);
+            let mass = layout.free.iter().position(|i| model.slots()[*i].name() == "inertia.M").unwrap();
+            // Of two samples: what the mass moves, and what is left.
+            for (times, leaps) in [(1.1, behind), (0.9, false)] {
+                let (moves, left) = ([times * WILD / 2e-4, 0.0], [0.6, 0.8]);
+                let columns = (0..layout.free.len()).map(|c| if c == mass { moves } else { [0.0; 2] });
+                let mut columns: Vec<[f64; 2]> = columns.collect();
+                columns.push(left);
+                let mut at = Moments::empty(layout.free.len());
+                at.add_columns(&columns.iter().map(<[f64; 2]>::as_slice).collect::<Vec<_>>());
+                assert_eq!(wild(&model, &layout, &at, mass), leaps, "{behind} {times}");
+                let why = undetermined(&model, &layout, &at, &[], mass).why;
+                assert_eq!(why == LEAPS, leaps, "{why}");
+            }
+        }
+    }
 }
