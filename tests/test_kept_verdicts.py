@@ -17,7 +17,7 @@ from knobcam.fit.beyond import Beyond
 from knobcam.fit.diagnose import Diagnosis
 from knobcam.fit.forward import Forward, ForwardRun
 from knobcam.fit.rule import RULE
-from knobcam.learn import exchanged, learning, proposing, selection
+from knobcam.learn import exchanged, headline, proposing, selection
 from knobcam.learn.ladder import LearningStep, Unexplained
 from knobcam.learn.learning import LearningResult
 from knobcam.learn.proposals import Proposal, Proposals
@@ -85,8 +85,8 @@ def test_of_what_a_ladder_says_in_the_end(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(selection, "_is_map", lambda effect, _: effect in maps)
     monkeypatch.setattr(selection, "width", lambda fit: fit.wide)
     monkeypatch.setattr(selection, "at_bounds", lambda fit: {})
-    monkeypatch.setattr(learning, "within_rounding", lambda fit: None)
-    for one in (selection, learning):
+    monkeypatch.setattr(headline, "within_rounding", lambda fit: None)
+    for one in (selection, headline):
         monkeypatch.setattr(one, "uncounted", lambda prepared: None)
     for at in range(150):
         fit = whole(rng)
@@ -113,7 +113,7 @@ def test_of_what_a_ladder_says_in_the_end(monkeypatch: pytest.MonkeyPatch) -> No
             not_added=None if at % 5 else SimpleNamespace(effect="stribeck", error_fall=0.16),
             without=(),
         )
-        told.put("  said", LearningResult._judged.fget(story))  # type: ignore[attr-defined]
+        told.put("  said", headline._judged(story))
         story.verdict = LearningResult.verdict.fget(story)  # type: ignore[attr-defined]
         told.put("  verdict", [story.verdict, proposing._needless(story), proposing._closed(story)])
         told.put("  bars", LearningResult._bars(story))

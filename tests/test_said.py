@@ -20,7 +20,7 @@ from knobcam.fit.diagnose import Candidate, Diagnosis, p_in_words
 from knobcam.fit.estimate import Z95
 from knobcam.fit.rule import RULE
 from knobcam.fit.stiction import Stiction, _estimate
-from knobcam.learn import exchanged, learning, limitations
+from knobcam.learn import exchanged, headline, limitations
 from knobcam.learn.cut import Cut
 from knobcam.learn.ladder import Unexplained
 from knobcam.learn.learning import LearningResult
@@ -44,8 +44,8 @@ def learned(
 
 
 def test_the_verdict_is_one_sentence_and_never_says_more_than_is_known(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(learning, "uncounted", lambda prepared: None)
-    monkeypatch.setattr(learning, "within_rounding", lambda fit: None)
+    monkeypatch.setattr(headline, "uncounted", lambda prepared: None)
+    monkeypatch.setattr(headline, "within_rounding", lambda fit: None)
     cut = Cut("budget", 2.0, ("stribeck",))
     one, two = ("stribeck",), ("stribeck", "offset")
     told = [
@@ -234,7 +234,12 @@ def fitted(effects: tuple[str, ...], free: tuple[str, ...], incoherent: Any = No
     one = SimpleNamespace(core=SimpleNamespace(incoherent=incoherent))
     return SimpleNamespace(
         model=SimpleNamespace(
-            effects=effects, coordinate="rotary", torque_unit=unit, params=params, catalogue=kc.effects
+            joint=next((one for one in effects if kc.effects()[one].place == "coupling"), None),
+            effects=effects,
+            coordinate="rotary",
+            torque_unit=unit,
+            params=params,
+            catalogue=kc.effects,
         ),
         prepared=(one,),
     )

@@ -12,24 +12,20 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from ..base import showing
 from ..base.door import checked
-from ..base.said import Advice, OfAxis, OfEffect, Said, joined, number, said
+from ..base.said import OfEffect, Said, joined, said
 from ..base.tables import TextTable, text_table
 from ..capture import Capture
 from ..fit import Fit
-from ..fit.beyond import incoherent
-from ..fit.coarse import within_rounding
 from ..fit.diagnose import Candidate, Diagnosis, check_effects, diagnose, p_in_words
-from ..fit.doubts import log_in_doubt
 from ..fit.fitting import as_logged
 from ..fit.refit import percent
 from ..fit.rule import RULE
 from ..fit.runs import in_words
-from ..fit.uncounted import uncounted
-from ..fit.verdict import explained
 from ..model import Model
 from ..model.effects import base_effects_shown
 from .agreement import Disagreement, disagreements
 from .cut import Cut, Deadline, Interrupted
+from .headline import headline
 from .ladder import LearningStep, Unexplained, first_weighed
 from .limitations import Limitation, limitations
 from .loosened import with_shapes
@@ -37,7 +33,6 @@ from .proposals import Proposals
 from .proposing import accepted, propose
 from .rivals import in_percent, with_choice
 from .selection import concluded, select
-from .ties import with_ties
 from .to_record import to_record
 
 if TYPE_CHECKING:
@@ -147,102 +142,12 @@ class LearningResult(showing.Tabled):
     @property
     def headline(self) -> Said:
         """The verdict in one sentence, and in others what it may be wrong by and what was left out of it."""
-        beyond = self.fit.beyond
-        return joined(" ", (self._judged, self._in_doubt, beyond and beyond.sentence))
+        return headline(self)
 
     @property
     def record(self) -> str | None:
         """What to record next to see more of what no effect explains; None where nothing is left so."""
         return to_record(self)
-
-    @property
-    def _in_doubt(self) -> str:
-        """That the log may be wrong, where no effect explains what is left and nothing says so already."""
-        what, fit = self.unexplained, self.fit
-        if what is None or self.cut is not None or fit.log_fault is not None or what.hint == fit.impossible:
-            return ""
-        doubt = log_in_doubt(fit)
-        return f"Beside that {doubt}." if doubt else ""
-
-    @property
-    def _judged(self) -> Said:
-        names = joined(" and ", with_ties(self.found, self.ladder))
-        what = self.unexplained
-
-        def head(beside: str, alone: str) -> Said:
-            """How a sentence begins, beside what was found or alone."""
-            return said(f"{{names}} found{beside}", names=names) if names else Said(alone)
-
-        beyond = what is not None and self.fit.beyond is not None and what.hint == self.fit.beyond.words
-        if self.cut is not None:
-            whether = head("; whether anything more", "Whether anything")
-            return said("{whether} is missing is not known: {why}.", whether=whether, why=self.cut.words)
-        if what is not None and not beyond:
-            share, along = number(100.0 * what.share, "%", ".0f"), OfAxis(what.axis)
-            if (fault := self.fit.log_fault) is not None:
-                said_so = "The log or its map is to be mended first, until then it tells nothing: {fault}."
-                return said(said_so, fault=fault)
-            if what.hint == uncounted(self.fit.prepared):
-                return said("Whether anything is missing cannot be told: {hint}.", hint=what.hint)
-            if math.isnan(self.noise_floor):
-                return said(
-                    "Whether anything is missing cannot be told: these samples do not show how much of the "
-                    "error is noise; {share} of it lies along {along}.",
-                    share=share,
-                    along=along,
-                )
-            if what.hint == self.fit.impossible:
-                return said(
-                    "{the} model leaves chance alone, but {hint}: it is not this knob's. Look for swapped "
-                    "columns, signs, units and parts that belong to another run{how}.",
-                    the=head("; the", "The"),
-                    hint=what.hint,
-                    how=Advice(" (--start, --end)", "command"),
-                )
-            if incoherent(self.fit):
-                return said(
-                    "{what} is left, {share} of it along {along} ({hint}), cannot be told from errors of the "
-                    "recorded motion.",
-                    what=head("; what", "What"),
-                    share=share,
-                    along=along,
-                    hint=what.hint,
-                )
-            if (steps := within_rounding(self.fit)) is not None:
-                return said(
-                    "{what} is left, {share} of it along {along}, cannot be told from the rounding of the "
-                    "torque, which is read in steps of {steps}.",
-                    what=head("; what", "What"),
-                    share=share,
-                    along=along,
-                    steps=number(steps, self.fit.torque_unit),
-                )
-            if (best := self.not_added) is not None:
-                return said(
-                    "{what} is missing and not in the model yet: {best}, which takes {fall} off the error.",
-                    what=head(", and more", "Something"),
-                    best=OfEffect(best.effect),
-                    fall=number(100.0 * best.error_fall, "%", ".1f"),
-                )
-            template = (
-                "{something} is missing that no single effect of the catalogue explains: {share} of the "
-                "error lies along {along} ({hint}); with these the rest is chance."
-                if self.after.complete
-                else "{something} is missing that no effect of the catalogue explains: {share} of the "
-                "remaining error lies along {along} ({hint})."
-            )
-            something = head(", and still something", "Something")
-            return said(template, something=something, share=share, along=along, hint=what.hint)
-        if names:
-            was, it = ("was", "it") if len(self.found) == 1 else ("were", "them")
-            rest = "what else passes the torque filter" if beyond else "the rest"
-            if not self.after.complete:
-                off = math.sqrt(max(self.fit.excess, 0.0) / explained(self.fit))
-                rest = f"{rest}, beside {100.0 * off:.1f} % by which a law may be off,"
-            return said(f"{{names}} {was} missing; with {it} {rest} is chance.", names=names)
-        if beyond:
-            return Said("Nothing is missing of what passes the torque filter: chance explains that.")
-        return Said("Nothing is missing that this capture could show: chance explains the error.")
 
     def propose(self, progress: Callable[[float], object] | None = None) -> Proposals:
         """Return laws for what no effect explains, the best first; none where nothing is left beyond chance.
