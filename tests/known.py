@@ -15,6 +15,11 @@ FLOOR = 1.0
 SAMPLES = 1000.0
 
 
+def joint_of(effects: tuple[str, ...]) -> str | None:
+    """The effect among these that joins shaft and knob."""
+    return next((one for one in effects if kc.effects()[one].place == "coupling"), None)
+
+
 @dataclass(frozen=True)
 class Known:
     """A fit that is said, not made. `helps` has how much larger its error would be without each effect."""
@@ -44,8 +49,7 @@ class Known:
     @property
     def model(self) -> Any:
         known = {"effects": self.effects, "coordinate": "rotary", "period": self.period, "core": None}
-        joint = next((one for one in self.effects if kc.effects()[one].place == "coupling"), None)
-        return SimpleNamespace(**known, catalogue=kc.effects, laws=self.laws, joint=joint)
+        return SimpleNamespace(**known, catalogue=kc.effects, laws=self.laws, joint=joint_of(self.effects))
 
     @property
     def excess(self) -> float:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from known import BASE, SAMPLES, Known, climbed, comparison, estimate
+from known import BASE, SAMPLES, Known, climbed, comparison, estimate, joint_of
 
 import knobcam as kc
 from knobcam.base.said import Said
@@ -232,17 +232,9 @@ def test_chance_is_said_in_three_figures_and_what_is_rarer_as_that():
 def fitted(effects: tuple[str, ...], free: tuple[str, ...], incoherent: Any = None, unit: str = "N m") -> Any:
     params = {name: SimpleNamespace(role="free") for name in free}
     one = SimpleNamespace(core=SimpleNamespace(incoherent=incoherent))
-    return SimpleNamespace(
-        model=SimpleNamespace(
-            joint=next((one for one in effects if kc.effects()[one].place == "coupling"), None),
-            effects=effects,
-            coordinate="rotary",
-            torque_unit=unit,
-            params=params,
-            catalogue=kc.effects,
-        ),
-        prepared=(one,),
-    )
+    model = {"coordinate": "rotary", "torque_unit": unit, "params": params, "catalogue": kc.effects}
+    model |= {"effects": effects, "joint": joint_of(effects)}
+    return SimpleNamespace(model=SimpleNamespace(**model), prepared=(one,))
 
 
 def test_what_cannot_be_weighed_is_left_out_with_the_reason():

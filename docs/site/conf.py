@@ -35,7 +35,7 @@ nitpick_ignore_regex = [
     ("py:.*", r"(os|pathlib|collections|typing|np|numpy|matplotlib)\..*"),
     ("py:.*", r"(knobcam\.)?(_core|pages)\..*"),
     ("py:.*", r"(.*\.)?(FloatArray|IntArray|BoolArray|ArrayLike|NDArray|ColumnMap|Figure|Path|Law)"),
-    ("py:.*", r"(.*\.)?(Clears|Left|Form|Kind|Study|Said|Advice)"),
+    ("py:.*", r"(.*\.)?(Clears|Left|Form|Kind|Study|Said|Advice|Quantity)"),
     (
         "py:.*",
         r"(.*\.)?(Coordinate|Watch|Picture|Window|Figures|Content|Severity|Shown|TextTable|Widget|Over|TakenUp|Acts|Limit)",

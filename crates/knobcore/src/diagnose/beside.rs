@@ -44,14 +44,14 @@ pub fn beside(screen: &Screen<'_>, effects: &[Id], left: f64) -> Vec<Ways> {
     let [coarse, middle] = [COARSE_HZ, MIDDLE_HZ].map(|edge| slowed(data, edge));
     let [coarse, middle]: [Vec<&Signals>; 2] = [&coarse, &middle].map(|view| view.iter().collect());
     let floor = floor(data, COARSE_HZ, &coarse, screen.model);
-    // The joint is where the finest filter has it, and a slower one may lead it away: that is for what finds no way down
-    // through this one. A wave may be too fast for it.
+    // The joint is where the finest filter has it, and a slower one may lead it away: that is for what hardly finds a
+    // way down through this one. A wave may be too fast for it.
     let direct = |of: usize| started[of].0.info().scan.is_some() || coarse.len() < data.len();
     let without = squares(&coarse, screen.model);
     let mut looked: Vec<(usize, (Model, Found))> = watch.each(&first, |(of, start)| {
         let followed = |model: &Model| on(model, |model| glance(data, model));
         let end = followed(&start.model);
-        if direct(*of) || end.1.cost < screen.squares {
+        if direct(*of) || end.1.cost <= (1.0 - rule().worth) * screen.squares {
             return (*of, end);
         }
         let far = on(&start.model, |model| sketch(&coarse, model));
