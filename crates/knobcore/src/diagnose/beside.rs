@@ -44,20 +44,21 @@ pub fn beside(screen: &Screen<'_>, effects: &[Id], left: f64) -> Vec<Ways> {
     let [coarse, middle] = [COARSE_HZ, MIDDLE_HZ].map(|edge| slowed(data, edge));
     let [coarse, middle]: [Vec<&Signals>; 2] = [&coarse, &middle].map(|view| view.iter().collect());
     let floor = floor(data, COARSE_HZ, &coarse, screen.model);
-    // The joint is where the finest filter has it, and a slower one may lead it away: that is for what hardly finds a
-    // way down through this one. A wave may be too fast for it.
+    // A wave may be too fast for a slower filter.
     let direct = |of: usize| started[of].0.info().scan.is_some() || coarse.len() < data.len();
     let without = squares(&coarse, screen.model);
     let mut looked: Vec<(usize, (Model, Found))> = watch.each(&first, |(of, start)| {
         let followed = |model: &Model| on(model, |model| glance(data, model));
-        let end = followed(&start.model);
-        if direct(*of) || end.1.cost <= (1.0 - rule().worth) * screen.squares {
-            return (*of, end);
+        if direct(*of) {
+            return (*of, followed(&start.model));
         }
-        let far = on(&start.model, |model| sketch(&coarse, model));
-        let far = strode(&coarse, far, floor, without, watch);
-        let far = followed(&on(&far.0, |model| glance(&middle, model)).0);
-        (*of, if far.1.cost < end.1.cost { far } else { end })
+        let end = on(&start.model, |model| sketch(&coarse, model));
+        let end = strode(&coarse, end, floor, without, watch);
+        let end = followed(&on(&end.0, |model| glance(&middle, model)).0);
+        // The joint is where the finest filter has it: a slower one may lead it away, and no way back.
+        let lost = end.1.cost >= screen.squares;
+        let again = lost.then(|| followed(&start.model)).filter(|(_, again)| again.cost < end.1.cost);
+        (*of, again.unwrap_or(end))
     });
     looked.sort_by_cached_key(cost);
     looked.truncate(FOLLOWED);

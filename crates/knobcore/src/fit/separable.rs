@@ -142,6 +142,10 @@ impl Layout {
                 next[i] = p[i] * (step[column] / p[i]).clamp(-LONGEST, LONGEST).exp();
             }
             next[i] = next[i].clamp(lower, slots[i].param.upper);
+            // Of a wave that is hardly there the phase may go anywhere.
+            if matches!(slots[i].param.kind, Kind::PhaseOf(_)) {
+                next[i] = wrap(next[i]);
+            }
         }
         for &(amplitude, phase) in &self.polar {
             let (a, s) = (self.free[amplitude], self.free[phase]);
@@ -369,4 +373,28 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64],
 pub fn at_least_own(found: Option<Found>, data: &[&Signals], model: &Model, layout: &Layout) -> Found {
     let own = descend(data, model, layout, &model.values(), Effort::Full);
     found.filter(|found| found.cost < own.cost).unwrap_or(own)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::Id;
+    use crate::param::Axis;
+
+    #[test]
+    fn a_phase_that_is_no_polar_one_stays_within_a_turn_however_long_the_step() {
+        let model = Model::equation_1(Axis::Rotary, true).with(Id::Compliance).unwrap();
+        let layout = Layout::of(&model);
+        let phase = model.index("detent.S").unwrap();
+        let column = layout.free.iter().position(|&i| i == phase).unwrap();
+        assert!(layout.hard.contains(&column));
+        for long in [0.5, 7.0, -1e17] {
+            let mut step = vec![0.0; layout.free.len()];
+            step[column] = long;
+            let moved = layout.moved(&model, &model.values(), &step)[phase];
+            assert!(moved.abs() <= std::f64::consts::PI, "{moved}");
+            let all_round = (moved - model.values()[phase] - long).rem_euclid(std::f64::consts::TAU);
+            assert!(long.abs() > 1e3 || all_round.min(std::f64::consts::TAU - all_round) < 1e-9, "{long}");
+        }
+    }
 }
