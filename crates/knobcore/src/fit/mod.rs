@@ -34,6 +34,7 @@ pub use status::Status;
 pub(crate) use through::{Shown, Through};
 pub use undetermined::Undetermined;
 
+use crate::algebra::squares;
 use crate::effects::{Id, Wave};
 use crate::error::{Error, Result};
 use crate::floor::{Floor, loudest};
@@ -51,7 +52,7 @@ use separable::{Effort, Layout, at_least_own, descend};
 use serial::{Meat, serial, thinned};
 use solve::{Normal, independent, solvable};
 use std::cell::OnceCell;
-use undetermined::{SILENT, silent, undetermined, wild};
+use undetermined::{SILENT, silent, tame, undetermined};
 use uneven::louder;
 
 /// Blocks of the block bootstrap and of the held-out error.
@@ -297,9 +298,8 @@ fn finish(
     let blocks = blocks.done();
     let at = Moments::of_all(k, &blocks);
     let gram = |i: usize, j: usize| at.gram(i, j);
-    let told: Vec<usize> =
-        layout.linear_first().into_iter().filter(|c| !wild(&model, layout, &at, *c)).collect();
-    let kept = solvable(gram, independent(gram, &told));
+    let total: f64 = data.iter().map(|signals| squares(&signals.tau, &signals.weight)).sum();
+    let kept = solvable(gram, independent(gram, &tame(&model, layout, &at, total)));
     let serial = serial(&residuals.iter().map(Vec::as_slice).collect::<Vec<_>>());
     let mut meat = Meat::new(&serial, k, every);
     if serial.coefficients.is_empty() {
@@ -328,7 +328,7 @@ fn finish(
     };
     let undetermined = (0..layout.free.len())
         .filter(|c| !kept.contains(c))
-        .map(|c| undetermined(&model, layout, &at, &kept, c))
+        .map(|c| undetermined(&model, layout, &at, total, &kept, c))
         .collect();
     Ok(Fit {
         free: kept.iter().map(|&column| layout.free[column]).collect(),

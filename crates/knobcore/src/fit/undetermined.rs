@@ -45,17 +45,23 @@ pub(super) fn silent(data: &[&Signals], model: &Model) -> Vec<String> {
     linear.iter().zip(heard).filter(|(_, heard)| !heard).map(|(&i, _)| slots[i].name()).collect()
 }
 
-/// Times what is left that a parameter as large as it is may move the torque by, by its derivative.
-const WILD: f64 = 1e8;
+/// Times the torque that a parameter as large as it is may move it by, by its derivative.
+const WILD: f64 = 1e5;
 /// Why one that moves it by more is undetermined.
 const LEAPS: &str =
     "behind the joint the least change of it leads to another motion; record a slower or smaller one";
 
 /// Whether a derivative tells nothing: where surfaces knock again and again each knock multiplies what the one before it
 /// was off by, until the last digit of a parameter decides where the knob is.
-pub(super) fn wild(model: &Model, layout: &Layout, at: &Moments, column: usize) -> bool {
+/// `total` is the sum of squares of the torque.
+fn wild(model: &Model, layout: &Layout, at: &Moments, total: f64, column: usize) -> bool {
     let value = model.slots()[layout.free[column]].value;
-    model.is_coupled() && at.gram(column, column) * value * value > WILD * WILD * at.squares()
+    model.is_coupled() && at.gram(column, column) * value * value > WILD * WILD * total
+}
+
+/// The columns that are not wild, those that are linear first.
+pub(super) fn tame(model: &Model, layout: &Layout, at: &Moments, total: f64) -> Vec<usize> {
+    layout.linear_first().into_iter().filter(|column| !wild(model, layout, at, total, *column)).collect()
 }
 
 /// Says why a column is not determined: it is silent or wild, or a combination of others.
@@ -63,12 +69,13 @@ pub(super) fn undetermined(
     model: &Model,
     layout: &Layout,
     at: &Moments,
+    total: f64,
     kept: &[usize],
     column: usize,
 ) -> Undetermined {
     let name = |column: usize| model.slots()[layout.free[column]].name();
     let length = at.gram(column, column);
-    let why = if wild(model, layout, at, column) {
+    let why = if wild(model, layout, at, total, column) {
         LEAPS.into()
     } else if length > 0.0 {
         let along = Normal::of(|i, j| at.gram(i, j), kept)
@@ -100,16 +107,16 @@ mod tests {
             model.set("inertia.M", 2e-4).unwrap();
             let layout = Layout::of(&model);
             let mass = layout.free.iter().position(|i| model.slots()[*i].name() == "inertia.M").unwrap();
-            // Of two samples: what the mass moves, and what is left.
+            // Of two samples: what the mass moves, and what is left of a torque of one.
             for (times, leaps) in [(1.1, behind), (0.9, false)] {
-                let (moves, left) = ([times * WILD / 2e-4, 0.0], [0.6, 0.8]);
-                let columns = (0..layout.free.len()).map(|c| if c == mass { moves } else { [0.0; 2] });
-                let mut columns: Vec<[f64; 2]> = columns.collect();
-                columns.push(left);
+                let columns =
+                    (0..layout.free.len()).map(|c| if c == mass { times * WILD / 2e-4 } else { 0.0 });
+                let mut columns: Vec<[f64; 2]> = columns.map(|moves| [moves, 0.0]).collect();
+                columns.push([0.0; 2]);
                 let mut at = Moments::empty(layout.free.len());
                 at.add_columns(&columns.iter().map(<[f64; 2]>::as_slice).collect::<Vec<_>>());
-                assert_eq!(wild(&model, &layout, &at, mass), leaps, "{behind} {times}");
-                let why = undetermined(&model, &layout, &at, &[], mass).why;
+                assert_eq!(!tame(&model, &layout, &at, 1.0).contains(&mass), leaps, "{behind} {times}");
+                let why = undetermined(&model, &layout, &at, 1.0, &[], mass).why;
                 assert_eq!(why == LEAPS, leaps, "{why}");
             }
         }
