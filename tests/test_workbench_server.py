@@ -230,8 +230,18 @@ def test_work_is_cancelled_and_nothing_changed(opened: httpx.Client, bench: Benc
 
 
 def test_weighing_says_how_far_it_is_rests_while_a_person_waits_and_ends_when_it_is_given_up(
-    opened: httpx.Client, bench: Bench
+    opened: httpx.Client, bench: Bench, monkeypatch: Any
 ):
+    weighed = bench.session.weigh
+
+    def slowly(tell: Any, node: Any) -> None:
+        # On any machine it has far to go where it is given up.
+        for step in range(1, 1000):
+            tell("weighing", 1e-3 * step)
+            time.sleep(0.01)
+        weighed(tell, node)
+
+    monkeypatch.setattr(bench.session, "weigh", slowly)
     job = bench.weigh()
 
     def told_before(share: float) -> None:
@@ -239,15 +249,14 @@ def test_weighing_says_how_far_it_is_rests_while_a_person_waits_and_ends_when_it
             time.sleep(0.005)
 
     told_before(0.0)
-    waited = bench.work.start("waiting", lambda work: work.rest(4.0))
+    waited = bench.work.start("waiting", lambda work: work.rest(1.5))
     share, since = job.done, time.monotonic()
-    # Longer than what is weighed between two words of it, on a busy machine too.
-    while waited.active and time.monotonic() - since < 0.8:
+    while waited.active and time.monotonic() - since < 0.3:
         if job.done != share:  # it has not noticed yet
             share, since = job.done, time.monotonic()
         time.sleep(0.005)
     assert waited.active and job.active and share is not None and 0.0 < share < 1.0
-    waited.result.result(10.0)
+    waited.result.result(5.0)
     told_before(share)
     assert opened.post("/api/cancel").status_code == 200
     assert not job.active
