@@ -161,11 +161,20 @@ def test_what_a_joint_bent_is_named_by_what_it_does_beside_it(monkeypatch: pytes
             assert found == (("return_spring", joint) if came else (joint,)), (share, joint)
 
 
+def without(fit: Any, effect: str) -> Any:
+    """A fit without an effect and what changes it, as of `refit.drop`, which refuses what is not there."""
+    assert effect in fit.model.effects
+    left = tuple(one for one in fit.effects if effect not in (one, kc.effects()[one].needs))
+    return replace(fit, effects=left, before=fit)
+
+
 def test_where_too_many_came_in_the_joint_among_them_is_tried_alone(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(selection, "converged", lambda fit: fit)
+    monkeypatch.setattr(selection, "drop", without)
     came = [("presliding", 9.0), ("backlash", 4.0), ("friction_drift", 2.0), ("return_spring", 1.0)]
     for p_value, steps, tried in (
         (0.001, came, True),
+        (0.001, [("detent", 9.5), ("detent_harmonics", 9.2), *came[1:]], True),
         (0.5, came, False),
         (0.001, came[:3], False),
         (0.001, [came[1], came[0], *came[2:]], False),

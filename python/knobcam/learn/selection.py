@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
@@ -177,26 +176,27 @@ def _nothing_to_find(first: Fit, *, given: bool) -> Collection[str]:
 
 def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]) -> Selection:
     """Return what the ladder says: which effects were causes, and what remains."""
+    end = ladder[-1].fit
     came = dict.fromkeys(step.added for step in ladder if step.added is not None)
     # Detents may come with a joint, whose step bears its name alone.
-    came |= dict.fromkeys(base_effects_shown(ladder[-1].fit.model.coordinate))
-    effects_now = ladder[-1].fit.model.effects
+    came |= dict.fromkeys(base_effects_shown(end.model.coordinate))
+    effects_now = end.model.effects
     found = tuple(one for one in came if one in effects_now and one not in base)
-    if (fault := ladder[-1].fit.log_fault) is not None:
+    if (fault := end.log_fault) is not None:
         # What is wrong is the log, not the knob.
         return Selection(tuple(ladder), (), last, Unexplained("load", 1.0, fault))
-    if (lost := uncounted(ladder[-1].fit.prepared)) is not None:
+    if (lost := uncounted(end.prepared)) is not None:
         # Of the tenth that counts effects explain what they like.
         return Selection(tuple(ladder), (), last, Unexplained("load", 1.0, lost))
-    unexplained = None if within_law(ladder[-1].fit) else _unexplained(last.comparison)
+    unexplained = None if within_law(end) else _unexplained(last.comparison)
     mainly = {step.added for step in ladder if _mainly(step)}
-    if (end := ladder[-1].fit).model.joint in mainly:
+    if end.model.joint in mainly:
         # A joint that is missing bends what comes in before it: what each does is seen beside it.
         mainly |= {one for one in found if _most(end, one)}
     # What ended at a bound stands in for something else, however much it took off.
     mainly -= {name.split(".", 1)[0] for name in at_bounds(end)}
     # Torques of position alone: two of them together draw nearly any map, so together they name no cause.
-    maps = [one for one in found if _is_map(one, ladder[-1].fit)]
+    maps = [one for one in found if _is_map(one, end)]
     if len(maps) > 1:
         template = "it takes {names} together to draw it, and so many draw any map of position"
         words = said(template, names=in_words(" and ", map(OfEffect, maps)))
@@ -208,19 +208,19 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
         unexplained = Unexplained("position", share, words)
     elif unexplained is not None:
         found = tuple(one for one in found if one in mainly)
-    elif len(names := [one for one in found if one not in ladder[-1].fit.model.laws]) > RULE.believed:
+    elif len(names := [one for one in found if one not in end.model.laws]) > RULE.believed:
         template = "it takes {names} together to draw it, and so many draw nearly anything"
         words = said(template, names=in_words(", ", map(OfEffect, names)))
         weighed = first_weighed(ladder) or last
         bare = _unexplained(weighed.comparison) or Unexplained("time", 1.0, "")
         found, unexplained = (), bare._replace(hint=words)
-    wrong = ladder[-1].fit.impossible
+    wrong = end.impossible
     # Within less than a detent its pull counts as inertia: that is said as what such a motion cannot tell.
-    if unexplained is None and wrong is not None and width(ladder[-1].fit) is None:
+    if unexplained is None and wrong is not None and width(end) is None:
         # However little it leaves, it is not this knob that it explains.
         found = tuple(one for one in found if one in mainly)
         unexplained = Unexplained("load", 1.0, wrong)
-    if unexplained is None and (beyond := ladder[-1].fit.beyond) is not None:
+    if unexplained is None and (beyond := end.beyond) is not None:
         unexplained = Unexplained(beyond.axis, beyond.share, beyond.words)
     return Selection(tuple(ladder), found, last, unexplained)
 
@@ -267,7 +267,11 @@ def joint_first(ladder: Sequence[LearningStep]) -> LearningStep | None:
     joint = last.model.joint
     if diagnosis is None or joint not in came[1:] or len(came) <= RULE.believed or last.log_fault is not None:
         return None
-    bare = functools.reduce(lambda fit, one: fit.drop(one), (one for one in came if one != joint), last)
+    bare = last
+    for one in came:
+        # What changes another went with that.
+        if one is not None and one != joint and one in bare.model.effects:
+            bare = drop(bare, one)
     alone = replace(converged(bare), before=diagnosis.fit)
     p_value = chance_of(alone, diagnosis.fit, diagnosis)
     return LearningStep(alone, joint, p_value, (), (), diagnosis) if p_value <= RULE.chance else None
