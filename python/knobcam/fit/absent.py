@@ -18,6 +18,7 @@ def absent(fit: Fit, without: Collection[str]) -> tuple[list[str], dict[str, str
     catalogue = fit.model.catalogue()
     have = fit.model.effects
     free = {name for name, parameter in fit.model.params.items() if parameter.role == "free"}
+    joined = fit.model.joint is not None
     wrong = incoherent(fit)
     left_out = {}
     could = []
@@ -26,7 +27,7 @@ def absent(fit: Fit, without: Collection[str]) -> tuple[list[str], dict[str, str
             continue
         if row.needs is not None and row.needs not in have:
             left_out[one] = f"it changes '{row.needs}', which the model does not have"
-        elif fit.model.joint is not None and row.place == "coupling":
+        elif joined and row.place == "coupling":
             left_out[one] = "another joint is in the model already"
         elif wrong and row.place != "load":
             left_out[one] = "errors of the recorded motion look like it"

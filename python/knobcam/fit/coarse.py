@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
+from ..base.remembered import remembered
 
+if TYPE_CHECKING:
     from ..base.arrays import FloatArray
     from ..capture.prepare import Prepared
     from .fitting import Fit
@@ -36,9 +36,10 @@ def within_rounding(fit: Fit) -> float | None:
     function of the torque, uniform over a step (Widrow & Kollar 2008), and lies along all that the torque
     does.
     """
-    coarsest = _coarsest(fit.prepared)
-    return coarsest if 0.0 < fit.rmse <= coarsest / math.sqrt(12.0) else None
+    finest = min(map(_torque_step, fit.prepared), default=0.0)
+    return finest if 0.0 < fit.rmse <= finest / math.sqrt(12.0) else None
 
 
-def _coarsest(prepared: Sequence[Prepared]) -> float:
-    return min((step(one.capture.tau[one.capture.mask]) for one in prepared), default=0.0)
+@remembered  # every headline asks, and a page says one at each change
+def _torque_step(one: Prepared) -> float:
+    return step(one.capture.tau[one.capture.mask])

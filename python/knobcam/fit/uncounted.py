@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..base.remembered import remembered
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -36,11 +38,8 @@ def uncounted(prepared: Sequence[Prepared]) -> str | None:
     """
     counted = whole = 0.0
     for one in prepared:
-        known = one.capture.mask[one.rows] & np.isfinite(one.tau) & np.isfinite(one.omega)
-        moves = known & (np.abs(one.omega) > _MOVING * np.max(np.abs(one.omega[known]), initial=0.0))
-        squares = np.square(one.tau - (np.mean(one.tau[moves]) if moves.any() else 0.0))
-        whole += float(np.sum(squares[moves]))
-        counted += float(np.sum(squares[moves & one.used]))
+        more, all_of_it = _squares(one)
+        counted, whole = counted + more, whole + all_of_it
     if whole == 0.0 or counted > (1.0 - _MOST) * whole:
         return None
     share = 100.0 * (1.0 - counted / whole)
@@ -49,3 +48,13 @@ def uncounted(prepared: Sequence[Prepared]) -> str | None:
         "from rest, where its direction is not known within the reach of the filter: what they tell is not "
         "in the values; turn slowly between them, or prepare it with --prepare paper"
     )
+
+
+@remembered  # every headline asks, and a page says one at each change
+def _squares(one: Prepared) -> tuple[float, float]:
+    """Return the squares of the torque of the motion: of the rows that count, and of all."""
+    omega, tau = one.omega, one.tau
+    known = one.capture.mask[one.rows] & np.isfinite(tau) & np.isfinite(omega)
+    moves = known & (np.abs(omega) > _MOVING * np.max(np.abs(omega[known]), initial=0.0))
+    squares = np.square(tau - (np.mean(tau[moves]) if moves.any() else 0.0))
+    return float(np.sum(squares[moves & one.used])), float(np.sum(squares[moves]))

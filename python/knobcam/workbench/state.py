@@ -6,9 +6,9 @@ import math
 import re
 from itertools import combinations
 from typing import TYPE_CHECKING, NamedTuple
-from weakref import WeakKeyDictionary
 
 from ..base import pages
+from ..base.remembered import remembered
 from ..base.said import OfEffect, OfParam, Said, Stretch, joined, said
 from ..errors import InputError
 from ..fit.doubts import may_be_nothing, unsettled
@@ -121,16 +121,11 @@ class _Said(NamedTuple):
     limits: dict[str, float] | None
 
 
-_KNOWN: WeakKeyDictionary[Fit, _Said] = WeakKeyDictionary()
-
-
+@remembered
 def _said(fitted: Fit) -> _Said:
-    """Return it as it was said before, where it was."""
-    if fitted not in _KNOWN:
-        cannot = [Said(one.message, "; ", one.record).document() for one in limitations(fitted)]
-        missing = [one.document() for one in absent(fitted.model)]
-        _KNOWN[fitted] = _Said(peak(fitted), _together(fitted), cannot, missing, _reached(fitted))
-    return _KNOWN[fitted]
+    cannot = [Said(one.message, "; ", one.record).document() for one in limitations(fitted)]
+    missing = [one.document() for one in absent(fitted.model)]
+    return _Said(peak(fitted), _together(fitted), cannot, missing, _reached(fitted))
 
 
 def _reached(fitted: Fit) -> dict[str, float] | None:

@@ -28,10 +28,9 @@ pub fn beside(screen: &Screen<'_>, effects: &[Id], left: f64) -> Vec<Ways> {
     let promise = |start: &Start| screen.squares - start.predicted;
     let mut first: Vec<(usize, &Start)> = Vec::new();
     for (of, (id, starts, before)) in started.iter().enumerate() {
-        // Many waves over slower detents draw more in one step than fewer over those of the model.
-        let own = |start: &&Start| !id.info().slower.is_empty() && screen.keeps(&start.model);
-        let own = starts.iter().skip(1).find(own).filter(|_| !screen.keeps(&starts[0].model));
-        first.extend([starts.first(), own, before.first()].into_iter().flatten().map(|start| (of, start)));
+        let own = starts.iter().position(|start| screen.has_own(*id, start)).filter(|at| *at > 0);
+        let starts = [starts.first(), own.map(|at| &starts[at]), before.first()];
+        first.extend(starts.into_iter().flatten().map(|start| (of, start)));
     }
     first.sort_by_cached_key(|(_, start)| Ascending(start.predicted));
     let most = first.first().map_or(0.0, |(_, start)| promise(start));

@@ -156,10 +156,7 @@ fn followed(screen: &Screen<'_>, id: Id, starts: &[Start]) -> Option<(Model, Fou
     let rival = if id.info().needs.is_some() { 0.3 * rule().rival_start } else { rule().rival_start };
     let worth = |start: &&Start| {
         let predicted = screen.squares - start.predicted;
-        // Many waves over slower detents draw more in one step than fewer over those of the model, which may be a few
-        // per cent off: they have their steps too.
-        let own = !id.info().slower.is_empty() && screen.keeps(&start.model);
-        predicted >= least && (own || predicted >= rival * best_predicted)
+        predicted >= least && (screen.has_own(id, start) || predicted >= rival * best_predicted)
     };
     let ends = starts.iter().take(most).filter(worth).take_while(|_| screen.watch.wanted());
     let ends = ends.map(|start| (start.model.clone(), sketch(screen.data, &start.model)));

@@ -259,6 +259,13 @@ impl<'a> Screen<'a> {
         start.slots().iter().all(|slot| known(slot).is_none_or(|value| value == slot.value))
     }
 
+    /// Whether a start of what may have slower detents in the place of the model's has the model's own. Many waves over
+    /// slower detents draw more in one step than fewer over those of the model, which may be a few per cent off: they have
+    /// their steps too.
+    pub fn has_own(&self, id: Id, start: &Start) -> bool {
+        !id.info().slower.is_empty() && self.keeps(&start.model)
+    }
+
     /// A model and some of its parameters as they are looked at: beside a coupling as if it were rigid, along the
     /// motion of what they load. To simulate how a load moves the hidden knob takes a hundred times as long.
     pub fn shown(&self, model: &Model, mut params: Vec<usize>) -> (Model, Vec<usize>) {

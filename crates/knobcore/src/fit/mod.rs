@@ -34,7 +34,6 @@ pub use status::Status;
 pub(crate) use through::{Shown, Through};
 pub use undetermined::Undetermined;
 
-use crate::algebra::squares;
 use crate::effects::{Id, Wave};
 use crate::error::{Error, Result};
 use crate::floor::{Floor, loudest};
@@ -45,7 +44,7 @@ use crate::special::Z95;
 use detents::{Judge, beginning, best_from_scan, scan_beside};
 use expected::sandwich;
 use held_out::held_out;
-use moments::{Blocks, used};
+use moments::{Blocks, measured_squares, used};
 use nalgebra::DMatrix;
 use parts::Parts;
 use separable::{Effort, Layout, at_least_own, descend};
@@ -298,7 +297,7 @@ fn finish(
     let blocks = blocks.done();
     let at = Moments::of_all(k, &blocks);
     let gram = |i: usize, j: usize| at.gram(i, j);
-    let total: f64 = data.iter().map(|signals| squares(&signals.tau, &signals.weight)).sum();
+    let total = measured_squares(data);
     let kept = solvable(gram, independent(gram, &tame(&model, layout, &at, total)));
     let serial = serial(&residuals.iter().map(Vec::as_slice).collect::<Vec<_>>());
     let mut meat = Meat::new(&serial, k, every);

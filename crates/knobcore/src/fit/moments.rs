@@ -3,6 +3,7 @@
 //! A pass evaluates the model and its derivatives chunk by chunk and keeps only the products of the
 //! columns, so that memory does not grow with the capture.
 
+use crate::algebra::squares;
 use crate::isa;
 use crate::model::Model;
 use crate::predict::{Columns, Seeds, measured, several};
@@ -240,6 +241,11 @@ pub fn moments(data: &[&Signals], model: &Model, p: &[f64], seeds: &Seeds) -> Mo
 /// Samples that count.
 pub fn used(data: &[&Signals]) -> f64 {
     data.iter().map(|signals| signals.used() as f64).sum()
+}
+
+/// Sum of squares of the measured torque, (N m)^2.
+pub fn measured_squares(data: &[&Signals]) -> f64 {
+    data.iter().map(|signals| squares(&signals.tau, &signals.weight)).sum()
 }
 
 /// The normal equations apart for consecutive blocks of about so many used samples; a block never spans two

@@ -5,11 +5,10 @@
 //! linear parameters are solved exactly, the cost is that of the solved problem, and the hard columns are
 //! projected off the linear ones. An amplitude and its phase count as linear, in polar form.
 
-use super::moments::Moments;
+use super::moments::{Moments, measured_squares};
 use super::passes::Passes;
 use super::solve::{Normal, independent};
 use super::status::Status;
-use crate::algebra::squares;
 use crate::model::{Model, Role};
 use crate::param::Kind;
 use crate::predict::Seeds;
@@ -287,7 +286,7 @@ impl Problem<'_> {
 
 /// The best parameters that a descent from `start` reaches.
 pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64], effort: Effort) -> Found {
-    let total: f64 = data.iter().map(|s| squares(&s.tau, &s.weight)).sum();
+    let total = measured_squares(data);
     let rows: f64 = data.iter().map(|s| s.used() as f64).sum();
     let unit = (total / rows.max(1.0)).sqrt().max(f64::MIN_POSITIVE);
     let passes = Passes::of(data, model, &layout.free, !layout.hard.is_empty());

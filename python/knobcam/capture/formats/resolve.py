@@ -125,14 +125,15 @@ def _by_map(
             entry = Entry(f"`{whole}`", None)
         elif not entry.plain or entry.column not in table.columns:
             entry = _without_unit(table, entry)
-        parts = parts_in(entry.column) if target == "tau" and entry.plain and entry.unit is None else None
+        bare = entry.plain and entry.unit is None
+        parts = parts_in(entry.column) if target == "tau" and bare else None
         if parts is not None:
             raise InputError(
                 f"map: {entry.column} is in parts of what the drive is rated for; make it a torque, as in "
                 f"tau={entry.expression}/{parts}*RATED [N m] with that in N m, or say [%] of a duty cycle"
             )
-        unit = _unit_of(table, entry.column) if entry.plain and entry.unit is None else None
-        if entry.plain and entry.unit is None and table.si:
+        unit = _unit_of(table, entry.column) if bare else None
+        if bare and table.si:
             unit = SI[coordinate or "rotary"][target]
         known[target] = Entry(entry.expression, unit) if unit and fits(target, unit) else entry
     taken, foreign = [], []
