@@ -314,7 +314,10 @@ def without_help(richer: Fit, candidate: Candidate, fit: Fit) -> Fit | None:
         return None
     if needed(richer, candidate.effect):
         return None
-    bare = richer.drop(candidate.effect)
+    bare = drop(richer, candidate.effect)
+    if needed(richer, candidate.effect, bare):
+        return None
+    bare = converged(bare)
     helped = bare.rmse < (1.0 - RULE.helped) * fit.rmse
     return replace(bare, before=fit.before) if helped and needless(richer, bare) else None
 

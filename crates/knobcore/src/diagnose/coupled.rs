@@ -3,16 +3,14 @@
 //! The torque of a contact comes in pulses of a few milliseconds: a gap that is a little off moves them, and the
 //! error knows no way back once they no longer overlap. Through a slower filter they are broad and do.
 
-use super::screen::{Screen, Start, alone, survey};
+use super::screen::{Screen, Start, alone};
 use super::shown::{detents, shown};
 use super::slower::{self, COARSE_HZ, MIDDLE_HZ, beginnings, slowed};
-use super::strides::{FEW, ROUNDS, strides};
+use super::strides::{FEW, strides};
 use super::thinned::Thinned;
-use super::watch::{Tell, Watch};
+use super::watch::Watch;
 use crate::effects::{Id, Place};
-use crate::error::Result;
-use crate::fit::{Fit, Found, glance, loads, refine, report, settled, sketch};
-use crate::floor::Floor;
+use crate::fit::{Found, glance, loads, sketch, sketch_within};
 use crate::model::{Model, Slot};
 use crate::order::{Ascending, descending};
 use crate::rule::rule;
@@ -24,10 +22,12 @@ const FOLLOWED: usize = 3;
 /// Samples of captures that the coarse search looks at, and those that it first glances at.
 const ENOUGH: usize = 30_000;
 const GLANCED: usize = 12_000;
-/// Starts of a joint in another's place that are followed.
-const PLACED: usize = 2;
 /// Sums of squares through the filter in between of what is followed to its end, in times of the best.
-const RIVAL: f64 = 1.15;
+pub(super) const RIVAL: f64 = 1.15;
+/// Ends that are followed to their end; the others only as long as they may leave less than these.
+const FINE: usize = 2;
+/// Sums of squares of what needs fewer parameters, in times of the other's, that are hardly more.
+const HARDLY: f64 = 1.005;
 /// Ends whose sums of squares differ by less than this share are one.
 const SAME: f64 = 1e-3;
 
@@ -94,17 +94,25 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool) -> Vec<Ways
     let mut ends = strode(&screen, &ends, floor);
     ends.sort_by_cached_key(cost);
     let most = rival(&ends, screen.squares, floor).min(screen.squares - enough);
-    let (mut ends, _) = rivals(most, ends);
+    let (ends, _) = rivals(most, ends);
+    let (mut ends, mut worse) = open(ends);
     others(&mut ends, f64::INFINITY);
     detented.extend(ends.into_iter().map(|(of, (model, _))| (of, model)));
     let mut between = watch.each(&detented, |(of, model)| (*of, on(model, |m| sketch(&middle, m))));
     between.sort_by_cached_key(cost);
     others(&mut between, RIVAL);
-    let (between, worse) = rivals(rival(&between, view.squares, middle_floor), between);
+    let (between, more) = rivals(rival(&between, view.squares, middle_floor), between);
+    worse.extend(more);
+    let (between, shut) = open(between);
+    worse.extend(shut);
     let mut between = strode(&view, &between, middle_floor);
     between.sort_by_cached_key(cost);
     others(&mut between, RIVAL);
-    let mut fine = watch.each(&between, |(of, (model, _))| (*of, on(model, |m| sketch(data, m))));
+    let (first, rest) = between.split_at(between.len().min(FINE));
+    let mut fine = watch.each(first, |(of, (model, _))| (*of, on(model, |m| sketch(data, m))));
+    let least = fine.iter().map(|(_, (_, found))| found.cost).fold(f64::INFINITY, f64::min);
+    let within = (least / data.iter().map(|one| one.used() as f64).sum::<f64>()).sqrt();
+    fine.extend(watch.each(rest, |(of, (model, _))| (*of, on(model, |m| sketch_within(data, m, within)))));
     // What was followed no further is told by where the best leads it.
     let beaten = |found: Found| Found { cost: f64::INFINITY, ..found };
     fine.extend(worse.into_iter().map(|(of, (model, found))| (of, (model, beaten(found)))));
@@ -124,6 +132,20 @@ fn rival(ends: &Ends, squares: f64, floor: f64) -> f64 {
 /// The ends that leave at most so much, and the others.
 fn rivals(most: f64, ends: Ends) -> (Ends, Ends) {
     ends.into_iter().partition(|(_, (_, found))| found.cost <= most)
+}
+
+/// The ends whose joint is not another's, and those of which another with fewer parameters leaves hardly more: a gap that
+/// closed is compliance. They go on from the other's end.
+fn open(ends: Ends) -> (Ends, Ends) {
+    let is_other = |(of, (model, found)): &(usize, (Model, Found)), own: &(usize, (Model, Found))| {
+        *of != own.0
+            && found.cost <= HARDLY * own.1.1.cost
+            && model.free().count() < own.1.0.free().count()
+            && model.shafts() == own.1.0.shafts()
+    };
+    let shut: Vec<bool> = ends.iter().map(|own| ends.iter().any(|other| is_other(other, own))).collect();
+    let mut shut = shut.into_iter();
+    ends.into_iter().partition(|_| !shut.next().unwrap_or(false))
 }
 
 /// Where each coupling but the best leads to from the best one's end: a gap that closes is compliance, and a soft shaft with
@@ -157,43 +179,12 @@ fn crossing(model: &Model, from: &Model) -> Option<Model> {
 }
 
 /// What a model's coupling joins, joined by another.
-fn joined_by(model: &Model, other: Id) -> Option<Model> {
+pub(super) fn joined_by(model: &Model, other: Id) -> Option<Model> {
     model.shafts().iter().try_fold(loads(model).with(other).ok()?, |with, id| with.with_at_shaft(*id).ok())
 }
 
-/// A fit with another coupling in the place of a model's own, from where that one ended. None for a model without one or
-/// with that one, where no such model can be followed, and if `tell` no longer wanted it.
-pub fn in_place(data: &[&Signals], model: &Model, other: Id, tell: &Tell<'_>) -> Option<Fit> {
-    if !model.is_coupled() || model.has(other) {
-        return None;
-    }
-    let bare = joined_as(&joined_by(model, other)?, model);
-    // What its own joint lacks it starts with.
-    let mut starts = vec![bare.clone()];
-    for values in other.law().starts(&survey(data, &loads(model))) {
-        let mut start = bare.clone();
-        for (param, value) in other.info().params.iter().zip(values) {
-            // The names are the joint's own, the values within their bounds.
-            let _ = start.set(&format!("{}.{}", other.info().id, param.name), value);
-        }
-        let start = joined_as(&start, model);
-        if starts.iter().all(|known| known.values() != start.values()) {
-            starts.push(start);
-        }
-    }
-    let watch = Watch::new(tell, starts.len());
-    let looked = watch.each(&starts, |start| on(start, |model| glance(data, model)));
-    let mut looked: Vec<(usize, (Model, Found))> = looked.into_iter().map(|end| (0, end)).collect();
-    looked.sort_by_cached_key(cost);
-    others(&mut looked, RIVAL);
-    looked.truncate(PLACED);
-    let ends = watch.each(&looked, |(_, (model, _))| on(model, |model| sketch(data, model)));
-    let (model, found) = ends.into_iter().min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost))?;
-    if watch.wanted() { report(data, &model, found).ok() } else { None }
-}
-
 /// A model with the values of another, and its coupling's with those that go by the same names in the other's.
-fn joined_as(model: &Model, other: &Model) -> Model {
+pub(super) fn joined_as(model: &Model, other: &Model) -> Model {
     let mut joined = model.clone();
     let joins = |slot: &&Slot| slot.effect.info().place == Place::Coupling;
     for slot in model.slots() {
@@ -209,7 +200,7 @@ fn joined_as(model: &Model, other: &Model) -> Model {
 }
 
 /// Keeps of each way's ends, best first, those within so many times the best; two starts mostly lead to one end.
-fn others(ends: &mut Vec<(usize, (Model, Found))>, within: f64) {
+pub(super) fn others(ends: &mut Vec<(usize, (Model, Found))>, within: f64) {
     let mut kept: Vec<(usize, f64)> = Vec::new();
     ends.retain(|(of, (_, found))| {
         let own: Vec<f64> = kept.iter().filter(|(own, _)| own == of).map(|(_, cost)| *cost).collect();
@@ -265,41 +256,11 @@ pub(super) fn strode(
     on(&strides(data, &model, floor, FEW, watch), |model| sketch(data, model))
 }
 
-/// Fits a model from values near its best. The error of one with a coupling is rough at its finest: it is descended in
-/// strides too, as long as more than noise is left.
-///
-/// # Errors
-/// As of [`crate::fit::fit`].
-pub fn converge(data: &[&Signals], model: &Model) -> Result<Fit> {
-    if !model.is_coupled() {
-        return settled(data, refine(data, model)?, |model| refine(data, model));
-    }
-    let near = |squares: f64, floor: f64| {
-        (rule().converged.powi(2)..rule().hopeless.powi(2)).contains(&(squares / floor))
-    };
-    let led = |model: &Model, floor: f64| {
-        refine(data, &strides(data, model, floor, ROUNDS, &Watch::new(&|_| true, 1)))
-    };
-    // What a search has followed is near its end: a descent before the strides and one after them were one too many.
-    let floor = Floor::of(data, model).squares;
-    let best = if near(squares(data, model), floor) {
-        led(model, floor)?
-    } else {
-        let best = refine(data, model)?;
-        if near(best.rmse.powi(2), best.noise_floor.powi(2)) {
-            let led = led(&best.model, Floor::of(data, &best.model).squares).ok();
-            led.filter(|led| led.rmse < best.rmse).unwrap_or(best)
-        } else {
-            best
-        }
-    };
-    settled(data, best, |model| refine(data, model))
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::tests::recorded::{knob, recorded};
     use super::*;
+    use crate::floor::Floor;
     use crate::param::Axis;
 
     fn joined(id: Id, values: &[(&str, f64)]) -> Model {
@@ -317,23 +278,6 @@ mod tests {
         let value = |name: &str| soft.slots()[soft.index(name).unwrap()].value;
         let names = ["compliance.k", "compliance.d", "compliance.share", "inertia.M"];
         assert_eq!(names.map(value), [45.0, 1e-3, 0.6, 5e-5]);
-    }
-
-    #[test]
-    fn a_joint_that_stands_in_for_another_is_followed_from_where_that_one_ended() {
-        let joint = [("compliance.k", 0.3), ("compliance.d", 2e-3), ("compliance.share", 0.7)];
-        let truth =
-            knob(&[Id::Compliance, Id::ReturnSpring], &[&joint[..], &[("return_spring.k", 0.1)]].concat());
-        let truth = truth.with_at_shaft(Id::ReturnSpring).unwrap();
-        let signals = recorded(&truth, "a");
-        let data = [&signals];
-        let soft = refine(&data, &truth).unwrap();
-        let gap = in_place(&data, &soft.model, Id::Backlash, &|_| true).unwrap();
-        assert!(gap.model.at_shaft(Id::ReturnSpring) && !gap.model.has(Id::Compliance));
-        // A gap that closes is compliance, but for surfaces that do not pull.
-        assert!(gap.rmse < 1.5 * soft.rmse, "{} {}", gap.rmse, soft.rmse);
-        assert!(in_place(&data, &soft.model, Id::Compliance, &|_| true).is_none());
-        assert!(in_place(&data, &knob(&[], &[]), Id::Backlash, &|_| true).is_none());
     }
 
     #[test]
@@ -362,6 +306,20 @@ mod tests {
         others(&mut ends, RIVAL);
         let kept: Vec<(usize, f64)> = ends.iter().map(|(of, (_, found))| (*of, found.cost)).collect();
         assert_eq!(kept, [(0, 1.0), (1, 1.05), (0, 1.1)]);
+    }
+
+    #[test]
+    fn a_gap_that_explains_hardly_more_than_compliance_goes_on_from_there_and_one_that_does_goes_on_by_itself()
+     {
+        let end = |(of, id, cost): (usize, Id, f64)| {
+            let model = joined(id, &[]);
+            (of, (model.clone(), Found { cost, ..glance(&[], &model) }))
+        };
+        for (gap, shut) in [(1.001, true), (0.999, true), (0.99, false)] {
+            let ends = [(0, Id::Backlash, gap), (1, Id::Compliance, 1.0)].into_iter().map(end).collect();
+            let [went, closed] = <[Ends; 2]>::from(open(ends)).map(|ends| ends.len());
+            assert_eq!((went, closed), if shut { (1, 1) } else { (2, 0) }, "{gap}");
+        }
     }
 
     #[test]

@@ -4,7 +4,8 @@
 use super::super::beside::beside;
 use super::super::chance::Chance;
 use super::super::chosen;
-use super::super::coupled::{coupled, in_place};
+use super::super::coupled::coupled;
+use super::super::in_place::in_place;
 use super::super::null::Null;
 use super::super::screen::{Screen, Start};
 use super::super::slower::{COARSE_HZ, MIDDLE_HZ, beginnings, floor, slowed};
