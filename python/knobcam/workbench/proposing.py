@@ -16,10 +16,10 @@ from ..model.own_law import free_name, guesses
 from ..model.sliding import written
 from ..show.words import unit_word
 from . import arrays, formulas
+from .adding import story
 from .answers import answered, bytes_answer, finished
 from .bodies import read_json, text, whole
 from .jobs import Cancelled
-from .learned import learned
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -128,13 +128,13 @@ class Proposing:
 
 def looked_for(session: Session, tell: Tell) -> None:
     """Look for laws of what is left where the branch is, unless that was done."""
-    node, done = session.node, session.branch.done
+    node = session.node
     if node.id in session.proposals:
         return
-    story = learned(done, session.weigh(tell))
+    found_here = story(session, tell)
     doing = "looking for a law"
     tell(doing)
-    found = story.propose(lambda share: tell(doing, share))
+    found = found_here.propose(lambda share: tell(doing, share))
     tell("putting the laws in place", last=True)
     with session.lock:
         session.proposals[node.id] = found
@@ -262,7 +262,12 @@ def curve(found: Proposals | None) -> Curve | None:
 
 
 def _in_words(params: Mapping[str, Estimate]) -> list[str]:
-    words = (f"{name} = {e.value:.4g} {unit_word(e.unit)} ({e.interval})" for name, e in params.items())
+    words = (
+        f"{name} = {e.value:.4g} {unit_word(e.unit)} ({e.interval})"
+        if e.determined
+        else f"{name} {e.interval}"
+        for name, e in params.items()
+    )
     return [one.replace("-", "−").replace("  ", " ") for one in words]
 
 

@@ -54,10 +54,12 @@ def document(session: Session) -> pages.Session:
         diagnosis = session.diagnosis_of(branch.node.id)
         shown, laws = session.experiment, session.proposals.get(branch.node.id)
         foreign = session.laws_of_others(branch.node)
+        searched = session.searched.get(branch.node.id)
+        disagreed = session.disagreed.get(branch.node.id, ())
     fitted = view.fit
     told = _said(fitted)
     steps = ladder(branch.done)
-    end = _end(steps, diagnosis)
+    end = searched or _end(steps, diagnosis)
     story = None if end is None else LearningResult(*end)
     left = None if story is None else story.unexplained
     headline = None if story is None else story.headline
@@ -77,7 +79,8 @@ def document(session: Session) -> pages.Session:
         "rmse_heldout": view.rmse_heldout,
         "added": _added(steps, headline),
         "concluded": [] if headline is None else headline.document(),
-        "verdict": _verdict(steps, diagnosis, headline).document(),
+        "searched": searched is not None,
+        "verdict": _verdict(steps, diagnosis or (searched and searched.last), headline).document(),
         "record": None if story is None else story.record,
         "carried": [
             {
@@ -99,6 +102,7 @@ def document(session: Session) -> pages.Session:
         "candidates": known["candidates"] if diagnosis is None else candidates(diagnosis, left),
         "warnings": list(fitted.warnings),
         "limitations": told.limitations,
+        "disagreements": [one.sentence.document() for one in disagreed],
         "titles": titles(fitted.model.coordinate),
         "absent": [one for one in told.absent if one["effect"] not in foreign],
         "untold": _untold(steps),
@@ -140,7 +144,8 @@ def _reached(fitted: Fit) -> dict[str, float] | None:
 
 def unexplained(session: Session) -> bool:
     """Whether it is known where the session is, and what is left there has no name."""
-    end = _end(ladder(session.branch.done), session.diagnosis_of(session.node.id))
+    known = session.searched.get(session.node.id)
+    end = known or _end(ladder(session.branch.done), session.diagnosis_of(session.node.id))
     return end is not None and end.unexplained is not None
 
 
@@ -184,6 +189,7 @@ def _nothing(session: Session) -> pages.Session:
         "rmse_heldout": None,
         "added": [],
         "concluded": [],
+        "searched": False,
         "verdict": ["Open a capture to begin."],
         "record": None,
         "carried": [],
@@ -191,6 +197,7 @@ def _nothing(session: Session) -> pages.Session:
         "candidates": {"ready": False, "rows": [], "unexplained": None, "left_out": {}},
         "warnings": [],
         "limitations": [],
+        "disagreements": [],
         "titles": {},
         "absent": [],
         "untold": [],
@@ -227,7 +234,10 @@ def _branch(branch: Branch) -> pages.Branch:
                 "node": node.id,
                 "anew": node.how == "fitted" and not node.onward,
                 "added": node.effect if node.how == "added" else None,
-                "dropped": node.effect if node.how == "dropped" else None,
+                "dropped": [
+                    *node.also_dropped,
+                    *([node.effect] if node.how == "dropped" and node.effect else []),
+                ],
                 "rmse": node.fit.rmse,
                 "rmse_heldout": node.fit.rmse_heldout,
                 "noise_floor": node.fit.noise_floor,
