@@ -114,7 +114,7 @@ export class Laws {
     this.about = { curve, surface, ...aboutOf(state) };
     showHow(this.about);
     this.draw();
-    const nothing = candidates.rows.length === 0 && candidates.unexplained === null; // is left, nor could be missing
+    const nothing = candidates.unexplained === null && !candidates.rows.some((row) => row.could_be); // but chance is left
     if (!candidates.ready || node === null || (proposed === null && nothing)) {
       this.place.replaceChildren();
     } else if (proposed === null) {

@@ -2443,7 +2443,7 @@ var Laws = class {
     this.about = { curve, surface, ...aboutOf(state) };
     showHow(this.about);
     this.draw();
-    const nothing = candidates.rows.length === 0 && candidates.unexplained === null;
+    const nothing = candidates.unexplained === null && !candidates.rows.some((row) => row.could_be);
     if (!candidates.ready || node === null || proposed === null && nothing) {
       this.place.replaceChildren();
     } else if (proposed === null) {
