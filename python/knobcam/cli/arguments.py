@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from ..base.meant import meant
 from ..base.reading import is_folder
 from ..errors import InputError
 from .output import status
@@ -24,6 +26,10 @@ if TYPE_CHECKING:
 PICTURES = ("png", "svg", "pdf")
 """The kinds of pictures that are written."""
 
+_CHOICE = re.compile(
+    r"argument (?P<what>.*): invalid choice: '?(?P<word>.*?)'? \(choose from (?P<known>.*)\)"
+)
+
 _LARGEST = 2**53  # whole numbers that a program of any language tells apart
 
 
@@ -36,6 +42,8 @@ class Parser(argparse.ArgumentParser):
         self.by_place: list[argparse.Action] = []
         self.behind: bool | None = None
         """Whether a model must stand behind the captures, if none is given by its option; None: none may."""
+        self.command = False
+        """Whether it is that of a command, behind which nothing else comes."""
         self.instead: tuple[str, str] | None = None
         """An option, and the word before the captures that it stands for: there is no such word then."""
 
@@ -45,6 +53,10 @@ class Parser(argparse.ArgumentParser):
             for one in self.by_place:
                 one.nargs, one.required = "?", False
         found, rest = super().parse_known_args(args, namespace)
+        if self.command and rest:
+            word = next((one for one in rest if one.startswith("-")), "").partition("=")[0]
+            near = meant(word, self._option_string_actions) if word else ""
+            self.error(f"unrecognized arguments: {' '.join(rest)}{f'; {near}' if near else ''}")
         if self.instead is not None and getattr(found, self.instead[0]) is not None:
             found.captures = [getattr(found, self.instead[1]), *found.captures]
             setattr(found, self.instead[1], None)
@@ -68,6 +80,10 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Raise `message` with the place to look."""
+        if wrong := _CHOICE.fullmatch(message):
+            known = [one.strip(" '") for one in wrong["known"].split(",")]
+            near = meant(wrong["word"], known) or f"choose {', '.join(known)}"
+            message = f"{wrong['what']}: '{wrong['word']}' is none that there is; {near}"
         raise InputError(f"{message}; see {self.prog} --help")
 
 
@@ -108,6 +124,7 @@ def add_command(
     """Return the parser of a new command, with what every command takes."""
     parser: Parser = commands.add_parser(name, help=about.replace("%", "%%"), description=about)
     parser.set_defaults(run=run)
+    parser.command = True
     parser.add_argument("--json", action="store_true", help="print one JSON document")
     parser.add_argument("--traceback", action="store_true", help="show where an error arose")
     return parser
