@@ -61,7 +61,11 @@ def register(commands: arguments.Commands) -> None:
     )
     parser.add_argument("file", metavar="LOG", help="what to read")
     parser.add_argument(
-        "--run", type=int, dest="place", metavar="N", help="of the log: 0 the first, -1 the last (default)"
+        "--run",
+        type=int,
+        dest="place",
+        metavar="N",
+        help="which run of the log: 0 the first, -1 the last (default)",
     )
     parser.add_argument("--calibration", metavar="FILE", help="default: the one of the recording")
     arguments.add_output(parser, "file", required=True)
