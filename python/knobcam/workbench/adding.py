@@ -97,10 +97,12 @@ def search(session: Session, tell: Tell) -> None:
     automatic = start.model is None and start.options.get("detents", "auto") == "auto"
     foreign = session.laws_of_others(node) & set(first.model.catalogue())
     found = select(first, foreign, heard.say, heard, given=start.model is not None, detents=automatic)
+    told = LearningResult(*found)
+    _ = told.params  # computed here, where it is seen that it takes its time
     tell("putting what was found in place", last=True)
     made = _nodes(session, found, node)
     with session.lock:
-        session.searched[made[-1].id if made else node.id] = found
+        session.searched[made[-1].id if made else node.id] = told
         for one, step in zip([node, *made], found.ladder[-len(made) :] if made else (), strict=False):
             if step.diagnosis is not None and step.diagnosis.whole and step.diagnosis.fit is one.fit:
                 session.diagnoses[one.id] = step.diagnosis  # for whoever goes back
@@ -140,5 +142,4 @@ def _same(one: Fit, other: Fit) -> bool:
 
 def story(session: Session, tell: Tell) -> LearningResult:
     """Return what was learned where a session is: by a search that ended there, or on the way to it."""
-    known = session.searched.get(session.node.id)
-    return LearningResult(*known) if known else learned(session.branch.done, session.weigh(tell))
+    return session.searched.get(session.node.id) or learned(session.branch.done, session.weigh(tell))

@@ -27,9 +27,9 @@ from .view import View
 if TYPE_CHECKING:
     from ..capture import Capture
     from ..capture.formats.columnmap import ColumnMap
+    from ..learn import LearningResult
     from ..learn.agreement import Disagreement
     from ..learn.proposals import Proposals
-    from ..learn.selection import Selection
     from .designed import Designed
     from .kept import Again
     from .tell import Tell
@@ -58,7 +58,7 @@ class Session:
         self._views: dict[str, View] = {}
         self.diagnoses: dict[str, Diagnosis] = {}
         self.disagreed: dict[str, tuple[Disagreement, ...]] = {}
-        self.searched: dict[str, Selection] = {}  # of the nodes at which a search for everything ended
+        self.searched: dict[str, LearningResult] = {}  # of the nodes at which a search for everything ended
         self.designs: dict[str, Designed] = {}
         self.proposals: dict[str, Proposals] = {}
         self.tried: tuple[str, Fit] | None = None
