@@ -187,9 +187,9 @@
 /**
  * What would explain what no effect does, in words; `law` and its values as one types them to `start`.
  *
- * `variables` are what it is of; `doubt` says which of its values are not determined, if any.
- * @typedef {{label: string, rmse: number, rmse_heldout: number | null, law: string, variables: string[],
- *   words: string[], doubt: string, start: string}} Law
+ * `variables` are what it is of, `doubt` which values nobody knows, `fall` of the error it was sought in.
+ * @typedef {{label: string, rmse: number, rmse_heldout: number | null, law: string, fall: number,
+ *   variables: string[], words: string[], doubt: string, start: string}} Law
  */
 
 /**

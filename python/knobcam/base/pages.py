@@ -173,10 +173,11 @@ class Candidates(TypedDict):
 class Law(LadderStep):
     """What would explain what no effect does, in words; `law` and its values as one types them to `start`.
 
-    `variables` are what it is of; `doubt` says which of its values are not determined, if any.
+    `variables` are what it is of, `doubt` which values nobody knows, `fall` of the error it was sought in.
     """
 
     law: str
+    fall: float
     variables: list[str]
     words: list[str]
     doubt: str

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from ..base import pages, pages_said
     from ..base.arrays import FloatArray
     from ..base.pages_left import Curve
-    from ..fit import Estimate
+    from ..fit import Estimate, Fit
     from ..learn.proposals import Proposal, Proposals
     from .bench import Bench
     from .jobs import Job
@@ -208,6 +208,7 @@ def tried(session: Session, law: str, start: Mapping[str, float], tell: Tell) ->
     return {
         "label": law,
         "law": law,
+        "fall": 1.0 - richer.rmse / node.fit.rmse,
         "rmse": richer.rmse,
         "rmse_heldout": richer.rmse_heldout,
         "variables": [],
@@ -228,7 +229,7 @@ def document(found: Proposals | None) -> list[pages.Law] | None:
     """Return what a page is told of laws, the one first for which most speaks; None: not looked for."""
     if found is None:
         return None
-    return [_law(one, one in found.front, found.beside.model.coordinate) for one in found.laws]
+    return [_law(one, one in found.front, found.beside) for one in found.laws]
 
 
 def headline(found: Proposals | None) -> list[pages_said.Part]:
@@ -281,12 +282,14 @@ def doubt_of(params: Mapping[str, Estimate]) -> str:
     return "; ".join(words)
 
 
-def _law(one: Proposal, front: bool, coordinate: str) -> pages.Law:
+def _law(one: Proposal, front: bool, beside: Fit) -> pages.Law:
+    coordinate = beside.model.coordinate
     words = _in_words(one.params)
     words += ["no shorter law is as good"] if front else []
     return {
         "label": written(one.label, coordinate),
         "law": written(one.law, coordinate),
+        "fall": 1.0 - one.rmse / beside.rmse,
         "rmse": one.rmse,
         "rmse_heldout": one.rmse_heldout,
         "variables": list(one.variables),

@@ -2434,7 +2434,7 @@ var Laws = class {
   }
   /** @param {State} state */
   show(state) {
-    const { candidates, proposed, proposed_said, node, job, rmse, curve, surface, active } = state;
+    const { candidates, proposed, proposed_said, node, job, curve, surface, active } = state;
     if (active.join() !== this.of) this.another(active.join());
     const shown2 = JSON.stringify([candidates.ready, proposed, node, job === null]);
     if (shown2 === this.shown) return;
@@ -2453,7 +2453,7 @@ var Laws = class {
       });
       this.place.replaceChildren(make("p", {}, ask2));
     } else {
-      const list = proposed.map((law, at) => this.item(law, at + 1, rmse ?? law.rmse));
+      const list = proposed.map((law, at) => this.item(law, at + 1));
       this.place.replaceChildren(
         make("p", { class: "soft small", role: "status" }, ...nodes(proposed_said, this.about)),
         ...list.length > 0 ? [make("ul", { class: "laws", "aria-label": "laws that are proposed" }, ...list)] : []
@@ -2461,8 +2461,8 @@ var Laws = class {
       fitFormulas(this.place);
     }
   }
-  /** @param {Law} row @param {number} number @param {number} rmse what is left without it */
-  item({ label, law, variables, words: words4, doubt, rmse: left, start }, number3, rmse) {
+  /** @param {Law} row @param {number} number */
+  item({ label, law, variables, words: words4, doubt, fall, start }, number3) {
     const of = `of ${variables.map(variableOf).join(", ")}`;
     const edit = make("button", {
       ...{ type: "button", text: "Edit…", "aria-label": `edit law ${number3}`, title: "as a formula of your own" },
@@ -2498,7 +2498,7 @@ var Laws = class {
       { class: "law", on: { pointerenter: look, pointerleave: away, focusin: look, focusout: away } },
       // What is drawn by splines has a name, and no formula that anybody reads.
       make("div", { class: "written", title: `typed as ${law}` }, `${number3}.`, label === law ? lawOf({ latex: "", law }) : make("span", { text: label })),
-      make("span", { class: "figure", text: percent(left / rmse - 1), title: "fall of the RMS error" }),
+      make("span", { class: "figure", text: percent(-fall), title: "fall of the RMS error, beside the model that it was looked for beside" }),
       make("span", { class: "soft", text: [...words4, of].join("; ") }),
       doubt ? make("span", { class: "doubt", text: `⚠ ${doubt}` }) : null,
       form
