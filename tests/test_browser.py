@@ -162,6 +162,17 @@ def test_the_whole_loop_goes_by_keys_alone_and_escape_closes_whatever_opens() ->
     assert after < before
 
 
+def test_everything_is_found_at_once_given_up_and_gone_back_from_and_no_challenge_is_told_so(
+    tmp_path: Path, pictures: Path
+) -> None:
+    with workbench(capture_with_stribeck(tmp_path, 10_000)) as address:
+        seen = script("searching.js", address, pictures)
+    as_kept(pictures, "30-found-everything")
+    assert seen["found"] == [*seen["before"], "+ Stribeck friction"] and seen["back"] == 0
+    assert "Stribeck friction" in seen["said"] and "missing; with it the rest is chance." in seen["said"]
+    assert seen["sealed"]
+
+
 def test_what_is_no_file_is_refused_at_once_two_pages_agree_and_a_killed_server_is_told(
     tmp_path: Path, pictures: Path
 ) -> None:

@@ -6,6 +6,7 @@ import functools
 import importlib
 import io
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -21,6 +22,7 @@ from small import COUPLINGS
 import knobcam as kc
 from knobcam import cli, show
 from knobcam.cli import command_parser, demonstration
+from knobcam.cli.examples import EXAMPLES
 from knobcam.show import report as page
 
 COMMANDS = ["import", "simulate", "fit", "compare", "diagnose", "add", "learn", "effects", "demo"]
@@ -104,6 +106,17 @@ def test_help_names_every_command_and_option_and_ends_well(argv: list[str]) -> N
     assert (ended.code, ended.err) == (0, "")
     for word in COMMANDS if argv == ["--help"] else ["--json", "--traceback"]:
         assert word in ended.out
+
+
+def test_every_command_has_a_call_below_its_help_that_is_one() -> None:
+    parser = command_parser()
+    commands = next(one.choices for one in parser._actions if isinstance(one.choices, dict))
+    assert EXAMPLES.keys() == commands.keys()
+    for name, example in EXAMPLES.items():
+        program, *words = shlex.split(example)
+        assert program == "knobcam" and words[0] == name
+        assert parser.parse_args(words).run is not None
+        assert example in " ".join(commands[name].format_help().split())
 
 
 def test_the_version_is_that_of_the_core() -> None:

@@ -25,8 +25,8 @@ OPTIONS: dict[str, tuple[list[str], list[str]]] = {
     "rate that is no number": (["--rate", "fast"], ["--rate", "'fast'"]),
     "rate that contradicts the times": (["--rate", "5000"], ["good.csv", "1000", "5000"]),
     "an infinite rate": (["--rate", "inf"], ["rate of inf"]),
-    "start behind the end": (["--start", "1.5", "--end", "1.0"], ["good.csv", "start=1.5", "end=1.0"]),
-    "start behind the capture": (["--start", "100"], ["good.csv", "start=100"]),
+    "start behind the end": (["--start", "1.5", "--end", "1.0"], ["good.csv", "from 1.5 to 1 s"]),
+    "start behind the capture": (["--start", "100"], ["good.csv", "from 100 s on"]),
     "edge above Nyquist": (["--option", "torque_edge_hz=4000"], ["good.csv", "4000", "Nyquist"]),
     "edge of zero": (["--option", "torque_edge_hz=0"], ["good.csv", "edge_hz", "0 Hz"]),
     "edge of nan": (["--option", "torque_edge_hz=nan"], ["good.csv", "edge_hz", "NaN"]),
@@ -113,7 +113,21 @@ def test_a_model_of_the_other_kind_of_axis_is_refused(tmp_path: Path) -> None:
 
 CALLS: dict[str, tuple[list[str], list[str]]] = {
     "no command": ([], ["COMMAND", "knobcam --help"]),
-    "unknown command": (["knit"], ["'knit'"]),
+    "unknown command": (["knit"], ["'knit'", "simulate"]),
+    "a slip in a command": (["fitt", "good.csv"], ["'fitt'", "perhaps fit;"]),
+    "a slip in an option": (
+        ["fit", "good.csv", "--plot", "p"],
+        ["--plot p", "perhaps --plots", "fit --help"],
+    ),
+    "an option of another command": (["effects", "--seed", "1"], ["--seed", "see knobcam effects --help"]),
+    "a slip in an effect": (["effects", "Stribek"], ["'Stribek'", "perhaps stribeck;"]),
+    "half the name of an effect": (["effects", "spring"], ["'spring'", "perhaps return_spring;"]),
+    "a report that says it is something else": (
+        ["learn", "good.csv", "--report", "r.pdf"],
+        ["r.pdf", ".html", "name it so"],
+    ),
+    "an export of no known kind": (["export", "good.csv", "-o", "x.xlsx"], ["x.xlsx", ".csv", "name it so"]),
+    "an end before the start": (["fit", "good.csv", "--end", "-1"], ["up to -1 s; the file runs from"]),
     "import without a file": (["import", "-o", "c.npz"], ["FILE"]),
     "import without an output": (["import", "good.csv"], ["-o"]),
     "import of a missing file": (["import", "absent.csv", "-o", "c.npz"], ["absent.csv"]),

@@ -213,7 +213,7 @@ def test_a_wrong_call_says_one_line_and_writes_nothing(tmp_path: Path) -> None:
     call("knob4", "--to", "c", "--fmi", "3", "-o", out)
     expected = ("--fmi: belongs to another form",)
     call("knob4", "--fmi", "3", "-o", out)
-    expected = ("invalid choice: 'simulink'",)
+    expected = ("--to: 'simulink' is none that there is; choose mujoco, c, fmu",)
     call("knob4", "--to", "simulink", "-o", out)
     expected = ("without stribeck", "is no effect of the model")
     call("knob4", "--to", "c", "--without", "stribeck", "-o", out)

@@ -111,6 +111,7 @@ def test_of_what_a_ladder_says_in_the_end(monkeypatch: pytest.MonkeyPatch) -> No
             after=last.comparison,
             ladder=ladder,
             not_added=None if at % 5 else SimpleNamespace(effect="stribeck", error_fall=0.16),
+            one_more=SimpleNamespace(effect="presliding", error_fall=0.12) if at % 5 == 4 else None,
             without=(),
         )
         told.put("  said", headline._judged(story))

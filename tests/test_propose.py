@@ -40,9 +40,10 @@ def found(story: kc.LearningResult) -> Proposals:
     return proposals
 
 
-def proposed(gain: float, complexity: int, se: float, label: str = "") -> Any:
+def proposed(gain: float, complexity: int, se: float, label: str = "", part: bool = False) -> Any:
     """A law as far as its place in the table depends on it."""
-    params = {"a": Estimate(1.0, (0.0, 2.0), "N m", se)}
+    low = -1.0 if part else 0.5
+    params = {"a": Estimate(1.0, (low, 2.0), "N m", se)}
     own = label or f"a^{complexity}"
     return SimpleNamespace(gain=gain, complexity=complexity, variables=("omega",), params=params, label=own)
 
@@ -50,9 +51,12 @@ def proposed(gain: float, complexity: int, se: float, label: str = "") -> Any:
 @pytest.mark.parametrize(
     ("laws", "order"),
     [
-        # A constant that nothing determines: behind what explains most of as much, before what does not.
-        ([(1000.0, 15, math.nan), (850.0, 4, 0.1), (700.0, 3, 0.1)], [1, 0, 2]),
+        # A constant that nothing determines: left out where what is known explains most of as much.
+        ([(1000.0, 15, math.nan), (850.0, 4, 0.1), (700.0, 3, 0.1)], [1, 2]),
         ([(1000.0, 15, math.nan), (750.0, 4, 0.1)], [0, 1]),
+        # A part that may be nothing: behind what explains most of as much, before what does not.
+        ([(1000.0, 15, 0.1, "b", True), (850.0, 4, 0.1), (700.0, 3, 0.1)], [1, 0, 2]),
+        ([(1000.0, 15, 0.1, "b", True), (750.0, 4, 0.1)], [0, 1]),
         # The same written anew with more words is left out, and nothing else is.
         ([(1000.0, 15, 0.1), (999.6, 4, 0.1), (998.0, 3, 0.1)], [1, 2]),
         # One formula with other constants is one law.

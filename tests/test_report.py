@@ -13,12 +13,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from carried import carried
+from small import COUPLINGS
 
 import knobcam as kc
+from knobcam.base.said import OfAxis, said
 from knobcam.show import report
 from knobcam.show.plot.failures import of_excess
 from knobcam.show.tables import html_table
-from knobcam.show.words import effect_word, param_word, sentence
+from knobcam.show.words import effect_word, param_word, sentence, worded
 
 HOSTILE = "<script>alert(1)</script>\"'><img src=x onerror=alert(2)> $headline ${else} &amp; knob.csv"
 VOID = {"meta", "img", "br", "link", "input", "hr"}
@@ -53,6 +55,17 @@ class Page(HTMLParser):
     @property
     def text(self) -> str:
         return " ".join(" ".join(self.words).split())
+
+
+@pytest.fixture(scope="module")
+def motor() -> kc.LearningResult:
+    """A motor whose ripple has several orders, and so many parameters."""
+    rng = np.random.default_rng(5)
+    t = np.arange(0.0, 20.0, 1.0 / 400.0)
+    theta = 2.5 * np.pi * np.sin(2.0 * np.pi * t / 10.0) + 0.02 * np.sin(9.0 * t)
+    ripple = 0.02 * np.sin(7.0 * theta) + 0.012 * np.sin(12.0 * theta + 1.0) + 0.009 * np.sin(21.0 * theta)
+    tau = ripple + 0.01 * np.sign(np.gradient(theta, t)) + 0.0006 * rng.standard_normal(len(t))
+    return kc.learn(kc.Capture.from_arrays(t=t, theta=theta, tau=tau), without=COUPLINGS)
 
 
 @pytest.fixture(scope="module")
@@ -230,3 +243,41 @@ def test_a_candidate_that_is_far_worse_does_not_push_the_others_aside() -> None:
     left, right = drawn.get_xlim()
     assert right > -left
     assert any(f"{100.0 * worse.error_fall:.0f} %".replace("-", "−") in one.get_text() for one in drawn.texts)
+
+
+def test_as_many_parameters_stand_on_the_sheet_as_there_is_room_for_and_all_of_them_behind_it(
+    motor: kc.LearningResult,
+) -> None:
+    whole = report.html(motor)
+    sheet, appendix = whole.split("</section>", 1)
+    count = len(motor.params)
+    assert count > 12
+    assert f"of the {count} parameters of the last model" in sheet and sheet.count("<tr>") <= 13
+    assert appendix.count("All parameters of the last model") == 1
+    assert "fixed" not in Page(sheet + "</section></main></body></html>").text.partition("parameter value")[2]
+
+
+def test_a_report_has_the_intervals_that_the_document_has(story: kc.LearningResult) -> None:
+    """They carry what the choice among effects adds, which those of the last fit do not."""
+    wider = dataclasses.replace(story)
+    wider.__dict__["params"] = {name: one.widened(one.se**2) for name, one in story.params.items()}
+    whole = report.html(wider)
+    for name, one in wider.document()["ladder"][-1]["params"].items():
+        if one["ci95"] is None:
+            continue  # not determined
+        low, high = one["ci95"]
+        assert report._MINUS.sub("−", f"{low:.5g} to {high:.5g}") in whole, name
+
+
+def test_the_headline_stands_once_on_the_sheet(story: kc.LearningResult, page: str) -> None:
+    said = sentence(story.headline, "rotary")
+    picture = re.search(r'src="data:image/svg\+xml;base64,([^"]+)"', page)
+    assert picture is not None and said in page
+    assert said.split()[0].encode() not in base64.b64decode(picture[1]).split(b"Error ladder")[0]
+
+
+def test_what_depends_on_the_way_since_a_reversal_is_said_so_and_no_error_falls_by_more_than_all(
+    story: kc.LearningResult,
+) -> None:
+    assert worded(said("along {along}", along=OfAxis("history")), "rotary") == "along distance since reversal"
+    assert max(story.first_diagnosis.plot().axes[0].get_xticks()) <= 100.0

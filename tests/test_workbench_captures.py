@@ -99,6 +99,18 @@ def test_of_columns_without_names_the_roughest_is_guessed_to_be_the_torque(tmp_p
     assert {one["unit"] for one in told.guess.values()} == {None}  # nobody can know: metres are no radians
 
 
+def test_a_file_of_one_column_is_said_to_be_no_capture_in_no_names_of_columns(tmp_path: Path) -> None:
+    path = tmp_path / "map.npy"
+    np.save(path, np.random.default_rng(1).standard_normal(500))
+    with pytest.raises(InputError) as refused:
+        kc.load(path)
+    told = str(explained(refused.value, path, {}, 10**8))
+    assert told.startswith("map.npy: this file has one column of numbers alone") and told.endswith(
+        "open another file."
+    )
+    assert "_" not in told
+
+
 def test_what_is_said_to_be_missing_is_not_said_to_be_needless_once_it_is_added() -> None:
     """Of few independent samples an effect cannot pay its price, though nothing else explains the rest."""
     path = SHARED / "dfki_pendulum" / "pd_system_identification.csv"

@@ -248,7 +248,7 @@ def test_a_design_is_cancelled_while_it_says_how_far_it_is(
         shares: list[float] = []
         while len(set(shares)) < 3 and time.monotonic() < until:
             told = shown(client)["job"]
-            if told and told["what"] == "looking for the motion" and told["done"] is not None:
+            if told and told["what"] == ["looking for the motion"] and told["done"] is not None:
                 shares.append(told["done"])
             time.sleep(0.05)
         assert post(client, "cancel").json()["cancelled"] is True

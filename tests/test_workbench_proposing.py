@@ -63,6 +63,7 @@ def test_a_law_is_proposed_laid_over_the_residual_and_taken_under_a_name(
     assert first["words"][-1] == "no shorter law is as good" and first["variables"] == ["omega"]
     assert first["doubt"] == ""
     assert first["rmse"] < 1.02 * told["noise_floor"] < 0.5 * told["rmse"]
+    assert first["fall"] == pytest.approx(1.0 - first["rmse"] / told["rmse"])
     assert "proposed, not found" in Said.of(told["proposed_said"])
     assert speed(first["words"]) == pytest.approx(1.3, abs=0.03)
     there = {"node": told["node"], "capture": told["active"][0], "number": "1"}
@@ -285,6 +286,21 @@ def test_where_nothing_has_a_name_a_law_is_looked_for_unasked(
     bench.session.take(braked, "braked")
     bench.weigh().result.result(120.0)
     assert bench.session.proposals[bench.session.node.id].laws[0].variables == ("omega",)
+
+
+def test_what_a_law_takes_off_is_of_the_error_that_it_was_looked_for_in(
+    bench: Bench, braked: kc.Capture
+) -> None:
+    """Not of what came in meanwhile and explains a part of it: there a law may leave more, and rise."""
+    session = bench.session
+    session.take(braked, "braked")
+    first = session.node.fit.rmse
+    session.add("torque_drift")
+    looked_for(session, quiet)
+    laws = document(session)["proposed"]
+    assert laws and session.node.fit.rmse < 0.8 * first
+    for law in laws:
+        assert law["fall"] == pytest.approx(1.0 - law["rmse"] / first, abs=1e-3)
 
 
 def test_values_of_a_law_that_are_not_determined_are_said() -> None:

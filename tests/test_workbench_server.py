@@ -218,7 +218,7 @@ def test_work_is_cancelled_and_nothing_changed(opened: httpx.Client, bench: Benc
     job = bench.work.start("waiting", lambda job: [job.rest(60.0)])
     assert opened.get("/api/state").json()["job"] == {
         "id": job.id,
-        "what": "waiting",
+        "what": ["waiting"],
         "done": None,
         "recording": False,
     }

@@ -115,7 +115,7 @@ def test_dropping_what_was_added_gives_the_error_back(session: Session):
     session.add("return_spring")
     session.drop("return_spring")
     assert session.node.fit.rmse == pytest.approx(first, rel=1e-6)
-    assert told(session)["branches"][0]["steps"][-1]["dropped"] == "return_spring"
+    assert told(session)["branches"][0]["steps"][-1]["dropped"] == ["return_spring"]
     with pytest.raises(InputError, match="is not in the model"):
         session.drop("return_spring")
 

@@ -144,7 +144,7 @@ class App {
   }
 
   buttons() {
-    for (const verb of ["undo", "redo", "snap"]) {
+    for (const verb of ["undo", "redo", "snap", "search"]) {
       byId(verb).addEventListener("click", () => this.ask(verb, {}, verb));
     }
     byId("cancel").addEventListener("click", async () => {
@@ -248,6 +248,7 @@ class App {
       effect: (effect) => this.candidates.go(effect),
       add: (effect) => this.ask("add", { effect }, "add"),
       apart: (effects) => this.next.design(effects),
+      every: () => this.ask("search", {}, "search"),
       error: () => shown(byId("ladder")),
       findings: () => shown(byId("findings")),
     });
@@ -284,6 +285,7 @@ class App {
     enable("redo", branch !== undefined && branch.at < branch.steps.length - 1);
     enable("snap", state.params.some(({ dragged }) => dragged));
     enable("new-branch", state.node !== null);
+    enable("search", state.node !== null && !state.searched);
   }
 
   /** Look at a session as it was looked at. @param {import("./types.js").Looked} looked */
@@ -360,13 +362,13 @@ class App {
   /** @param {Job | null} job */
   showJob(job) {
     this.job = job;
-    showJob(job);
+    showJob(job, this.state ? aboutOf(this.state) : null);
   }
 
   /** @param {Job} job */
   showRecording({ what, done }) {
-    preparing(what);
-    this.live?.phase(what);
+    preparing(what.join(""));
+    this.live?.phase(what.join(""));
     if (done !== null && !this.live?.following) this.live?.follow(); // one that another page has begun
   }
 

@@ -1,7 +1,7 @@
 /** Branches of the session: what each has, how far its error fell, and which is shown beside the current one. */
 
 import { make } from "./dom.js";
-import { titleOf } from "./names.js";
+import { changeOf } from "./names.js";
 import { number, torqueScale } from "./numbers.js";
 
 /** @typedef {import("./types.js").State} State */
@@ -29,8 +29,8 @@ export function showBranches(place, state, beside, deeds) {
     const step = steps[at];
     const done = steps.slice(0, at + 1);
     const own = done.slice(done.findLastIndex(({ anew }) => anew)); // not of a knob that was here before
-    const changed = own.filter(({ added, dropped }) => added || dropped); // not only fitted anew
-    const changes = changed.map(({ added, dropped }) => (added ? `+ ${titleOf(added)}` : `− ${titleOf(dropped ?? "")}`));
+    const changed = own.filter(({ added, dropped }) => added || dropped.length > 0); // not only fitted anew
+    const changes = changed.map(({ added, dropped }) => changeOf(added, dropped));
     const words = changes.join(" ") || "nothing added";
     const card = make(
       "button",

@@ -36,9 +36,9 @@ export class Candidates {
     new ResizeObserver(() => fitFormulas(place)).observe(place);
   }
 
-  /** @param {Pick<State, "candidates" | "node" | "job">} state @param {import("./said.js").About} about */
-  show({ candidates, node, job }, about) {
-    const shown = JSON.stringify([candidates, node, job?.id, about]);
+  /** @param {Pick<State, "candidates" | "concluded" | "node" | "job">} state @param {import("./said.js").About} about */
+  show({ candidates, concluded, node, job }, about) {
+    const shown = JSON.stringify([candidates, concluded, node, job?.id, about]);
     if (shown === this.shown) return;
     this.shown = shown;
     this.inside ||= this.place.contains(document.activeElement);
@@ -54,7 +54,7 @@ export class Candidates {
       on: { click: () => this.deeds.ask?.() },
     });
     this.place.replaceChildren(
-      ...(candidates.ready ? [] : [make("p", { class: "soft" }, job ? `${job.what} …` : ask)]),
+      ...(candidates.ready ? [] : [make("p", { class: "soft" }, job ? `${sentence(job.what, about)} …` : ask)]),
       ...(candidates.ready && this.items.length === 0
         ? [make("p", { class: "well", text: "Nothing is left to be weighed." })]
         : []),
@@ -62,7 +62,7 @@ export class Candidates {
       make("ul", { "aria-label": "candidates", class: "candidates" }, ...this.items.slice(0, could.length)),
       out.length > 0 ? folded(out, `${out.length} ruled out by values that none can have: ${ruledOut.map(outWords).join(", ")}`) : "",
       others.length > 0 ? folded(others, `${others.length} more: no better than chance, or too little to matter`) : "",
-      ...remainder(candidates.unexplained, about),
+      ...(concluded.length > 0 ? [] : remainder(candidates.unexplained, about)), // where it stands first already
     );
     fitFormulas(this.place);
     // On the list as a whole: on an item a second Enter would take another one, unseen.

@@ -111,8 +111,8 @@ export function textOf({ severity, said, advice }, about) {
  * @param {{see: (capture: string, finding: string) => void,
  *   overrule: (capture: string, finding: string, on: boolean) => void}} deeds
  */
-export function showFindings(place, { captures, active, limitations, notes, job }, about, deeds) {
-  const key = JSON.stringify([captures, active, limitations, notes, about, job === null]);
+export function showFindings(place, { captures, active, limitations, disagreements, notes, job }, about, deeds) {
+  const key = JSON.stringify([captures, active, limitations, disagreements, notes, about, job === null]);
   if (place.dataset.shown === key) return; // a switch that has the focus keeps it
   place.dataset.shown = key;
   const focused = document.activeElement?.getAttribute("data-finding");
@@ -128,10 +128,11 @@ export function showFindings(place, { captures, active, limitations, notes, job 
   });
   found.push(...[...every.values()].map((one) => finding(one, all, about, deeds)));
   const missing = limitations.map((said) => make("li", { class: "soft" }, "Cannot be told: ", ...nodes(said, about)));
+  const apartFrom = disagreements.map((said) => make("li", { class: "doubt" }, "⚠ The captures disagree: ", ...nodes(said, about), "."));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
   const open = place.querySelector("details")?.open ?? false;
   const own = found.length > FEW ? [folded(found, told, open)] : found;
-  place.replaceChildren(...noted, ...missing, ...own); // what to record next is not to be looked for
+  place.replaceChildren(...noted, ...apartFrom, ...missing, ...own); // what to record next is not to be looked for
   const again = focused && place.querySelector(`[data-finding="${CSS.escape(focused)}"]`);
   if (again instanceof HTMLElement) again.focus();
 }

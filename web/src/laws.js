@@ -105,7 +105,7 @@ export class Laws {
 
   /** @param {State} state */
   show(state) {
-    const { candidates, proposed, proposed_said, node, job, rmse, curve, surface, active } = state;
+    const { candidates, proposed, proposed_said, node, job, curve, surface, active } = state;
     if (active.join() !== this.of) this.another(active.join());
     const shown = JSON.stringify([candidates.ready, proposed, node, job === null]);
     if (shown === this.shown) return;
@@ -114,7 +114,7 @@ export class Laws {
     this.about = { curve, surface, ...aboutOf(state) };
     showHow(this.about);
     this.draw();
-    const nothing = candidates.rows.length === 0 && candidates.unexplained === null; // is left, nor could be missing
+    const nothing = candidates.unexplained === null && !candidates.rows.some((row) => row.could_be); // but chance is left
     if (!candidates.ready || node === null || (proposed === null && nothing)) {
       this.place.replaceChildren();
     } else if (proposed === null) {
@@ -124,7 +124,7 @@ export class Laws {
       });
       this.place.replaceChildren(make("p", {}, ask));
     } else {
-      const list = proposed.map((law, at) => this.item(law, at + 1, rmse ?? law.rmse));
+      const list = proposed.map((law, at) => this.item(law, at + 1));
       this.place.replaceChildren(
         make("p", { class: "soft small", role: "status" }, ...nodes(proposed_said, this.about)),
         ...(list.length > 0 ? [make("ul", { class: "laws", "aria-label": "laws that are proposed" }, ...list)] : []),
@@ -133,8 +133,8 @@ export class Laws {
     }
   }
 
-  /** @param {Law} row @param {number} number @param {number} rmse what is left without it */
-  item({ label, law, variables, words, doubt, rmse: left, start }, number, rmse) {
+  /** @param {Law} row @param {number} number */
+  item({ label, law, variables, words, doubt, fall, start }, number) {
     const of = `of ${variables.map(variableOf).join(", ")}`;
     const edit = make("button", {
       ...{ type: "button", text: "Edit…", "aria-label": `edit law ${number}`, title: "as a formula of your own" },
@@ -166,7 +166,7 @@ export class Laws {
       { class: "law", on: { pointerenter: look, pointerleave: away, focusin: look, focusout: away } },
       // What is drawn by splines has a name, and no formula that anybody reads.
       make("div", { class: "written", title: `typed as ${law}` }, `${number}.`, label === law ? lawOf({ latex: "", law }) : make("span", { text: label })),
-      make("span", { class: "figure", text: percent(left / rmse - 1), title: "fall of the RMS error" }),
+      make("span", { class: "figure", text: percent(-fall), title: "fall of the RMS error, beside the model that it was looked for beside" }),
       make("span", { class: "soft", text: [...words, of].join("; ") }),
       doubt ? make("span", { class: "doubt", text: `⚠ ${doubt}` }) : null,
       form,

@@ -40,3 +40,9 @@ export function named(words, id) {
 export function listed(effects, between) {
   return effects.flatMap((effect, at) => [at > 0 ? between : "", named(titleOf(effect), effect)]);
 }
+
+/** What came in on a step, and what went. @param {string | null} added @param {string[]} dropped */
+export function changeOf(added, dropped) {
+  const came = added ? [`+ ${titleOf(added)}`] : [];
+  return [...came, ...dropped.map((one) => `− ${titleOf(one)}`)].join(" ");
+}

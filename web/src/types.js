@@ -113,7 +113,7 @@
  * A fit on the way of a branch; `anew` of a model of its own, not that of the step before.
  *
  * `noise_floor`, where it is known, is read from what the model leaves too: it may fall with that.
- * @typedef {{node: string, anew: boolean, added: string | null, dropped: string | null, rmse: number,
+ * @typedef {{node: string, anew: boolean, added: string | null, dropped: string[], rmse: number,
  *   rmse_heldout: number | null, noise_floor: number | null, captures: string[]}} Step
  */
 
@@ -187,14 +187,16 @@
 /**
  * What would explain what no effect does, in words; `law` and its values as one types them to `start`.
  *
- * `variables` are what it is of; `doubt` says which of its values are not determined, if any.
- * @typedef {{label: string, rmse: number, rmse_heldout: number | null, law: string, variables: string[],
- *   words: string[], doubt: string, start: string}} Law
+ * `variables` are what it is of, `doubt` which values nobody knows, `fall` of the error it was sought in.
+ * @typedef {{label: string, rmse: number, rmse_heldout: number | null, law: string, fall: number,
+ *   variables: string[], words: string[], doubt: string, start: string}} Law
  */
 
 /**
  * What is being done; `done` from 0 to 1, null while nobody can tell.
- * @typedef {{id: string, what: string, done: number | null, recording: boolean}} Job
+ * @typedef {{id: string,
+ *   what: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
+ *   done: number | null, recording: boolean}} Job
  */
 
 /**
@@ -214,20 +216,20 @@
 /**
  * What a session has; before the first capture there is no node, `proposed` is null until it is asked.
  *
- * Of the effects in each of `untold` one is in the model, not known which. What came in and is not named in
- * what is said is `added`. `verdict` is said after what is
- * `concluded`, if anything is; `record` is what to record next to see more of what no effect explains.
- * `peak` is the largest torque, `titles` those of all effects. `limits` are those that the captures reached,
- * within which a motion is designed unless others are given; `below_hz` is the edge of the filter that
- * torques are seen through, null where they are seen as they came.
+ * Of each of `untold` one is in the model, not known which. `added` came in and is not named in what is
+ * said: what is `concluded`, if anything, be it by a search for everything that ended here (`searched`), and
+ * the `verdict`. `record` shows more of what no effect explains. `limits` are what the captures reached,
+ * within which a motion is designed; `below_hz` is the edge of the filter of torques, null without one.
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, peak: number,
  *   below_hz: number | null, params: Param[], together: Together[], rmse: number | null,
  *   rmse_heldout: number | null, added: string[],
  *   concluded: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
+ *   searched: boolean,
  *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   record: string | null, carried: Carried[], ladder: LadderStep[], candidates: Candidates, warnings: string[],
  *   limitations: ((string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[])[],
+ *   disagreements: ((string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[])[],
  *   titles: Record<string, string>, absent: Effect[], untold: string[][], proposed: Law[] | null,
  *   proposed_said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   curve: Curve | null, surface: Surface | null, limits: Record<string, number> | null,
@@ -263,9 +265,11 @@
  *   below_hz: number | null, params: Param[], together: Together[], rmse: number | null,
  *   rmse_heldout: number | null, added: string[],
  *   concluded: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
+ *   searched: boolean,
  *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   record: string | null, carried: Carried[], ladder: LadderStep[], candidates: Candidates, warnings: string[],
  *   limitations: ((string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[])[],
+ *   disagreements: ((string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[])[],
  *   titles: Record<string, string>, absent: Effect[], untold: string[][], proposed: Law[] | null,
  *   proposed_said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   curve: Curve | null, surface: Surface | null, limits: Record<string, number> | null,

@@ -10,7 +10,7 @@ import { sentence, wordsOfPart } from "./said.js";
 /** @typedef {import("./said.js").Part} Part */
 /**
  * @typedef {{place: (place: Stretch) => void, effect: (effect: string) => void, error: () => void, findings: () => void,
- *   add: (effect: string) => void, apart: (effects: string[]) => void}} To where its words lead
+ *   add: (effect: string) => void, every: () => void, apart: (effects: string[]) => void}} To where its words lead
  * @typedef {{words: string, title: string, go: () => void, kind?: string}} Lead words that lead somewhere
  */
 
@@ -31,7 +31,9 @@ export function showVerdict(element, { added, concluded, verdict, candidates, ti
     const [words, leads] = [wordsOfPart(part, about), leadOf(part, place, candidates, to)];
     return leads ? link({ words, ...leads }) : words;
   };
-  const first = plainly(candidates, about, to).map((part) => (typeof part === "string" ? part : link(part)));
+  // Where a search has come to its end, that is what is said.
+  const open = concluded.length > 0 ? [] : plainly(candidates, about, to);
+  const first = open.map((part) => (typeof part === "string" ? part : link(part)));
   const head = beside(added, [...first, ...concluded.map(shown)]);
   element.replaceChildren(...(head.length > 0 ? [make("strong", {}, ...head), " "] : []), ...verdict.map(shown));
 }
@@ -104,7 +106,9 @@ export function plainly({ ready, rows }, about, to) {
     `), which takes ${percent(fall)} off the error. `,
     ...(unsettled ? [`But ${unsettled}. `] : []),
     { words: "Add it", title: "take it into the model, and fit it", go: () => to.add(effect) },
-    unsettled ? " to see what is left, not for its values." : ", and see what is left.",
+    unsettled ? " to see what is left, not for its values; or " : ", and see what is left; or ",
+    { words: "find everything", title: "add step by step all that is missing, sets of effects too", go: () => to.every() },
+    " at once.",
     ...(equivalent.length > 0 ? tied(equivalent.map(lead), () => to.apart([effect, ...equivalent])) : []),
   ];
 }

@@ -43,9 +43,9 @@ test("a verdict begins with what is missing in plain words, and with what to do 
   const led = [];
   const to = /** @type {any} */ ({ add: (/** @type {string} */ one) => led.push(one), apart: (/** @type {string[]} */ all) => led.push(all.join()) });
   const said = (/** @type {any} */ candidates) => plainly(candidates, KNOB, to).map((part) => (typeof part === "string" ? part : part.words)).join("");
-  assert.equal(said({ ready: true, rows: [row] }), "Missing: there are detents (detent), which takes 60\u00a0% off the error. Add it, and see what is left.");
+  assert.equal(said({ ready: true, rows: [row] }), "Missing: there are detents (detent), which takes 60\u00a0% off the error. Add it, and see what is left; or find everything at once.");
   const unsettled = { ready: true, rows: [{ ...row, unsettled: "none of its values is determined: each may be nothing as well" }] };
-  assert.match(said(unsettled), /off the error\. But none of its values is determined: .*\. Add it to see what is left, not for its values\.$/);
+  assert.match(said(unsettled), /off the error\. But none of its values is determined: .*\. Add it to see what is left, not for its values; or find everything at once\.$/);
   const tied = { ready: true, rows: [{ ...row, equivalent: ["position_polynomial"] }] };
   assert.match(said(tied), /looks the same with smooth torque over position: .* Tell apart designs what to record next/);
   for (const part of plainly(/** @type {any} */ (tied), KNOB, to)) if (typeof part === "object" && /Add|Tell/.test(part.words)) part.go();

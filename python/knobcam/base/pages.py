@@ -51,7 +51,7 @@ class Step(TypedDict):
     node: str
     anew: bool
     added: str | None
-    dropped: str | None
+    dropped: list[str]
     rmse: float
     rmse_heldout: float | None
     noise_floor: float | None
@@ -173,10 +173,11 @@ class Candidates(TypedDict):
 class Law(LadderStep):
     """What would explain what no effect does, in words; `law` and its values as one types them to `start`.
 
-    `variables` are what it is of; `doubt` says which of its values are not determined, if any.
+    `variables` are what it is of, `doubt` which values nobody knows, `fall` of the error it was sought in.
     """
 
     law: str
+    fall: float
     variables: list[str]
     words: list[str]
     doubt: str
@@ -187,7 +188,7 @@ class Job(TypedDict):
     """What is being done; `done` from 0 to 1, null while nobody can tell."""
 
     id: str
-    what: str
+    what: list[Part]
     done: float | None
     recording: bool
 
@@ -220,12 +221,10 @@ class Splits(TypedDict):
 class Session(TypedDict):
     """What a session has; before the first capture there is no node, `proposed` is null until it is asked.
 
-    Of the effects in each of `untold` one is in the model, not known which. What came in and is not named in
-    what is said is `added`. `verdict` is said after what is
-    `concluded`, if anything is; `record` is what to record next to see more of what no effect explains.
-    `peak` is the largest torque, `titles` those of all effects. `limits` are those that the captures reached,
-    within which a motion is designed unless others are given; `below_hz` is the edge of the filter that
-    torques are seen through, null where they are seen as they came.
+    Of each of `untold` one is in the model, not known which. `added` came in and is not named in what is
+    said: what is `concluded`, if anything, be it by a search for everything that ended here (`searched`), and
+    the `verdict`. `record` shows more of what no effect explains. `limits` are what the captures reached,
+    within which a motion is designed; `below_hz` is the edge of the filter of torques, null without one.
     """
 
     schema: str
@@ -245,6 +244,7 @@ class Session(TypedDict):
     rmse_heldout: float | None
     added: list[str]
     concluded: list[Part]
+    searched: bool
     verdict: list[Part]
     record: str | None
     carried: list[Carried]
@@ -252,6 +252,7 @@ class Session(TypedDict):
     candidates: Candidates
     warnings: list[str]
     limitations: list[list[Part]]
+    disagreements: list[list[Part]]
     titles: dict[str, str]
     absent: list[Effect]
     untold: list[list[str]]

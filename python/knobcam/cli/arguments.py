@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from ..base.meant import meant
 from ..base.reading import is_folder
 from ..errors import InputError
+from .examples import EXAMPLES
 from .output import status
 
 if TYPE_CHECKING:
@@ -24,6 +27,13 @@ if TYPE_CHECKING:
 PICTURES = ("png", "svg", "pdf")
 """The kinds of pictures that are written."""
 
+_CHOICE = re.compile(
+    r"argument (?P<what>.*): invalid choice: '?(?P<word>.*?)'? \(choose from (?P<known>.*)\)"
+)
+
+FILES = "a capture, or a log with its columns (CSV, .mat, .npz, JSON, Parquet ...)"
+"""What may be named where captures are."""
+
 _LARGEST = 2**53  # whole numbers that a program of any language tells apart
 
 
@@ -36,6 +46,8 @@ class Parser(argparse.ArgumentParser):
         self.by_place: list[argparse.Action] = []
         self.behind: bool | None = None
         """Whether a model must stand behind the captures, if none is given by its option; None: none may."""
+        self.command = False
+        """Whether it is that of a command, behind which nothing else comes."""
         self.instead: tuple[str, str] | None = None
         """An option, and the word before the captures that it stands for: there is no such word then."""
 
@@ -45,6 +57,10 @@ class Parser(argparse.ArgumentParser):
             for one in self.by_place:
                 one.nargs, one.required = "?", False
         found, rest = super().parse_known_args(args, namespace)
+        if self.command and rest:
+            word = next((one for one in rest if one.startswith("-")), "").partition("=")[0]
+            near = meant(word, self._option_string_actions) if word else ""
+            self.error(f"unrecognized arguments: {' '.join(rest)}{f'; {near}' if near else ''}")
         if self.instead is not None and getattr(found, self.instead[0]) is not None:
             found.captures = [getattr(found, self.instead[1]), *found.captures]
             setattr(found, self.instead[1], None)
@@ -68,6 +84,10 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Raise `message` with the place to look."""
+        if wrong := _CHOICE.fullmatch(message):
+            known = [one.strip(" '") for one in wrong["known"].split(",")]
+            near = meant(wrong["word"], known) or f"choose {', '.join(known)}"
+            message = f"{wrong['what']}: '{wrong['word']}' is none that there is; {near}"
         raise InputError(f"{message}; see {self.prog} --help")
 
 
@@ -106,16 +126,20 @@ def add_command(
     commands: Commands, name: str, run: Callable[[argparse.Namespace], Answer | int | None], about: str
 ) -> Parser:
     """Return the parser of a new command, with what every command takes."""
-    parser: Parser = commands.add_parser(name, help=about.replace("%", "%%"), description=about)
+    example = f"Example: {EXAMPLES[name]}"
+    parser: Parser = commands.add_parser(
+        name, help=about.replace("%", "%%"), description=about, epilog=example.replace("%", "%%")
+    )
     parser.set_defaults(run=run)
-    parser.add_argument("--json", action="store_true", help="print one JSON document")
+    parser.command = True
+    parser.add_argument("--json", action="store_true", help="print one JSON document instead of text")
     parser.add_argument("--traceback", action="store_true", help="show where an error arose")
     return parser
 
 
 def add_captures(parser: argparse.ArgumentParser, about: str, number: str = "+") -> None:
     """Add CAPTURE, one or several, or also none."""
-    parser.add_argument("captures", nargs=number, metavar="CAPTURE", help=about)
+    parser.add_argument("captures", nargs=number, metavar="CAPTURE", help=f"{FILES}; {about}")
 
 
 def add_captures_and_model(parser: Parser, about: str, default: str | None = None) -> None:
@@ -147,7 +171,11 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
         metavar="COLUMN=EXPRESSION",
         help="t, theta, omega, alpha, tau from columns of the file: t=c0 'theta=enc/8192 [turn]' tau=35*i",
     )
-    group.add_argument("--coordinate", choices=("rotary", "linear"), help="kind of axis")
+    group.add_argument(
+        "--coordinate",
+        choices=("rotary", "linear"),
+        help="whether the axis turns or slides; default by the units",
+    )
     group.add_argument("--rate", type=number, metavar="HZ", help="sampling rate, for a file without times")
     group.add_argument("--joint", metavar="NAME", help="one of several in a bag or a log")
     group.add_argument(
@@ -159,7 +187,8 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--limit",
         choices=("sensor", "actuator"),
-        help="whose it is where the torque sits at its extreme; default the actuator's in A, V or duty",
+        help="whether a torque that sits at its extreme is at the limit of its sensor, and masked, or of the "
+        "actuator; default the actuator in A, V or duty",
     )
     group.add_argument(
         "--overrule",
@@ -214,7 +243,10 @@ def add_preparation(parser: argparse.ArgumentParser) -> None:
     """Add the options that say how signals are prepared."""
     group = parser.add_argument_group("preparation")
     group.add_argument(
-        "--prepare", default="smooth", metavar="METHOD", help="smooth, paper, none or differences"
+        "--prepare",
+        default="smooth",
+        metavar="METHOD",
+        help="how motion and torque are filtered: smooth (default), paper, differences or none",
     )
     group.add_argument(
         "--option",
@@ -223,7 +255,7 @@ def add_preparation(parser: argparse.ArgumentParser) -> None:
         type=assignment,
         default=[],
         metavar="NAME=VALUE",
-        help="of the method: torque_edge_hz, motion_edge_hz, cutoff_hz, decimate",
+        help="settings of that: torque_edge_hz, motion_edge_hz, cutoff_hz, decimate",
     )
 
 

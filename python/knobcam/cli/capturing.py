@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
 from . import arguments
-from .output import Answer, check_file, findings, status
+from .output import Answer, check_file, check_kind, findings, status
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -61,7 +61,11 @@ def register(commands: arguments.Commands) -> None:
     )
     parser.add_argument("file", metavar="LOG", help="what to read")
     parser.add_argument(
-        "--run", type=int, dest="place", metavar="N", help="of the log: 0 the first, -1 the last (default)"
+        "--run",
+        type=int,
+        dest="place",
+        metavar="N",
+        help="which run of the log: 0 the first, -1 the last (default)",
     )
     parser.add_argument("--calibration", metavar="FILE", help="default: the one of the recording")
     arguments.add_output(parser, "file", required=True)
@@ -96,6 +100,10 @@ def run_capture(args: Namespace) -> Answer:
     return _answer(recorded, args.output, log)
 
 
+KINDS = (".h5", ".hdf5", ".parquet", ".csv", ".csv.gz", ".mat", ".npz")
+"""The files that a capture is exported as."""
+
+
 def run_export(args: Namespace) -> Answer:
     """Work out the capture in a log and write it."""
     from ..capture import load
@@ -103,6 +111,7 @@ def run_export(args: Namespace) -> Answer:
     from ..rig.wirelog import WireLog, is_log
 
     check_file(args.output, [args.file])
+    check_kind(args.output, "an export", *KINDS)
     status(f"reading {args.file}")
     if is_log(args.file):
         calibration = None if args.calibration is None else Calibration.load(args.calibration)

@@ -25,7 +25,12 @@ def register(commands: arguments.Commands) -> None:
     parser = arguments.add_command(
         commands, "fit", run_fit, "Fit a model: parameters with units and 95 % intervals."
     )
-    parser.add_argument("captures", nargs="+", metavar="CAPTURE", help="several are fitted jointly")
+    parser.add_argument(
+        "captures",
+        nargs="+",
+        metavar="CAPTURE",
+        help=f"{arguments.FILES}; several of one knob are fitted jointly",
+    )
     parser.add_argument("--model", metavar="MODEL", help="model file or knob1 to knob5; default the base")
     parser.add_argument(
         "--detents", choices=("auto", "yes", "no"), default="auto", help="of the base model; default auto"

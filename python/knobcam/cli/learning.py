@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from ..errors import InputError
 from . import arguments
 from .fitting import answer, kept, put, said
-from .output import Unfinished, about, check_file, check_folder, status
+from .output import Unfinished, about, check_file, check_folder, check_kind, status
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -173,6 +173,7 @@ def run_learn(args: Namespace) -> Answer:
     inputs = [*args.captures, *([args.model] if args.model else [])]
     check_file(args.output, inputs)
     check_file(args.report, inputs)
+    check_kind(args.report, "a report", ".html", ".htm")
     if (
         args.report is not None
         and args.output is not None

@@ -64,6 +64,12 @@ def check_file(output: Path | None, inputs: Iterable[str | Path] = ()) -> None:
         raise InputError(f"{output}: is also read by this command; write to another file")
 
 
+def check_kind(output: Path | None, what: str, *kinds: str) -> None:
+    """Refuse a name that says of a file that it is something else than what will be in it."""
+    if output is not None and output.suffix and not output.name.lower().endswith(kinds):
+        raise InputError(f"{output}: {what} is written as {', '.join(kinds)}; name it so")
+
+
 def check_folder(folder: Path | None, file: Path | None = None) -> None:
     """Refuse a folder that cannot be made; `file` is what the same command writes beside it."""
     if folder is None:

@@ -37,9 +37,18 @@ def register(commands: arguments.Commands) -> None:
         help="sweep, multisine, turns, hand, micro, push, or a file (.toml)",
     )
     parser.add_argument(
-        "--noise", default="ranged", metavar="NAME", help="of the sensors: ranged, rig, paper or none"
+        "--noise",
+        default="ranged",
+        metavar="NAME",
+        help="of the sensors: rig, paper, none, or ranged (default): the rig's, where its torque never clips",
     )
-    parser.add_argument("--seed", type=arguments.whole, default=0, metavar="N", help="of the noise")
+    parser.add_argument(
+        "--seed",
+        type=arguments.whole,
+        default=0,
+        metavar="N",
+        help="of the noise: another number, another noise",
+    )
     parser.add_argument("--duration", type=arguments.number, default=6.0, metavar="S", help="default 6 s")
     parser.add_argument("--rate", type=arguments.number, default=5000.0, metavar="HZ", help="default 5000 Hz")
     arguments.add_output(parser, "capture", required=True)

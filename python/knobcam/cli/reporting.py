@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from ..errors import InputError
 from . import arguments
 from .fitting import said
-from .output import Answer, check_file, status
+from .output import Answer, check_file, check_kind, status
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -40,6 +40,7 @@ def run(args: Namespace) -> Answer:
     for path in (output, args.dfq):
         if path is not None and path.absolute().is_relative_to(args.results.absolute()):
             raise InputError(f"{path}: is within the table, which is read as a whole; write it elsewhere")
+    check_kind(output, "a report", ".html", ".htm")
     status("reading the results")
     result = BatchResult.read(args.results)
     check_file(output)

@@ -35,7 +35,9 @@ def register(commands: arguments.Commands) -> None:
         run,
         "Open the page on which a model is completed by hand and eye; its first line is the address.",
     )
-    parser.add_argument("captures", nargs="*", metavar="CAPTURE", help="several are of one knob")
+    parser.add_argument(
+        "captures", nargs="*", metavar="CAPTURE", help=f"{arguments.FILES}; several are of one knob"
+    )
     parser.add_argument(
         "--port", type=arguments.whole, default=0, metavar="N", help="on this machine; default any free one"
     )

@@ -43,11 +43,8 @@ def unsettled(effect: Effect, estimates: Mapping[str, Estimate]) -> str:
         return ""
     if len(unknown) == len(sizes):
         return "none of its values is determined: each may be nothing as well"
-    names = ", ".join(unknown)
     are = "is" if len(unknown) == 1 else "are"
-    return (
-        f"{len(unknown)} of its {len(sizes)} values {are} not determined, and may be nothing as well: {names}"
-    )
+    return f"{len(unknown)} of its {len(sizes)} values {are} not determined, and may be nothing as well"
 
 
 def may_be_nothing(effect: Effect, name: str, estimate: Estimate) -> bool:

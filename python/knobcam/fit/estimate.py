@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from ..base.said import OfParam, Said
 from ..base.tables import TextTable, text_table
 
 Z95 = 1.959963984540054
@@ -41,6 +42,14 @@ class Estimate(NamedTuple):
         if self.held:
             return "fixed"
         return f"{self.ci95[0]:.5g} to {self.ci95[1]:.5g}" if self.determined else "not determined"
+
+
+def rows_of(params: Mapping[str, Estimate]) -> list[tuple[str, str, str, str]]:
+    """Return parameters as rows of text: name, value, interval, unit; what is not determined has no value."""
+    return [
+        (Said(OfParam(name)), f"{e.value:.6g}" if e.determined else "-", e.interval, e.unit)
+        for name, e in params.items()
+    ]
 
 
 class Constants(NamedTuple):

@@ -15,7 +15,6 @@ import numpy as np
 from .. import _core
 from ..base import showing
 from ..base.door import checked
-from ..base.said import OfParam, Said
 from ..base.tables import TextTable, text_table
 from ..capture import Capture, load
 from ..capture.prepare import Prepared
@@ -29,7 +28,7 @@ from .alike import check_captures, check_unit
 from .beyond import Beyond, beyond
 from .described import described, documented, found, summary
 from .doubts import doubts
-from .estimate import Z95, Constants, Estimate
+from .estimate import Z95, Constants, Estimate, rows_of
 from .origin import with_origin
 from .plausible import columns_at_fault, impossible, log_fault, one_velocity
 from .uncounted import at_rest
@@ -281,10 +280,7 @@ class Fit(showing.Tabled):
 
     def rows(self) -> list[tuple[str, str, str, str]]:
         """The parameters as rows of text, under the words of `HEAD`."""
-        rows: list[tuple[str, str, str, str]] = []
-        for name, e in self.params.items():
-            rows.append((Said(OfParam(name)), f"{e.value:.6g}" if e.determined else "-", e.interval, e.unit))
-        return rows
+        return rows_of(self.params)
 
     @cached_property
     def log_fault(self) -> str | None:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from .. import _core
+from ..base.said import OfParam, Said, number, said
+from ..fit.described import names as names_of
 from ..fit.rule import RULE
 
 if TYPE_CHECKING:
@@ -20,13 +23,30 @@ class Disagreement(NamedTuple):
     captures: tuple[str, str]
     values: tuple[float, float]
     by_se: float
+    unit: str = ""
 
     def __str__(self) -> str:
-        (one, other), (a, b) = self.captures, self.values
-        return (
-            f"{self.param} is {a:.4g} in {one} and {b:.4g} in {other}, {self.by_se:.3g} standard errors "
-            "apart: no one model of this kind has both, so something is missing or the knob was changed"
+        return self.sentence
+
+    @property
+    def sentence(self) -> Said:
+        """It in words, without a stop; captures by the names of their files where these tell them apart."""
+        (one, other), (a, b) = _short(self.captures), self.values
+        return said(
+            "{param} is {a} in {one} and {b} in {other}, {by} standard errors apart: no one model of this "
+            "kind has both, so something is missing or the knob was changed",
+            param=OfParam(self.param),
+            a=number(a, self.unit) if self.unit else f"{a:.4g}",
+            one=one,
+            b=number(b, self.unit) if self.unit else f"{b:.4g}",
+            other=other,
+            by=f"{self.by_se:.3g}",
         )
+
+
+def _short(names: tuple[str, str]) -> tuple[str, str]:
+    one, other = (Path(name).name for name in names)
+    return (one, other) if one != other else names
 
 
 def disagreements(fit: Fit) -> tuple[Disagreement, ...]:
@@ -40,14 +60,12 @@ def disagreements(fit: Fit) -> tuple[Disagreement, ...]:
         replace(fit, prepared=(one,), core=_core.fit([one.core], fit.model.core, False), before=None)
         for one in fit.prepared
     ]
-    names = [
-        str(one.capture.meta.get("source", "")) or f"capture {i + 1}" for i, one in enumerate(fit.prepared)
-    ]
+    names = names_of(fit.prepared)
     found = []
     apart = {name for every in fit.per_capture.values() for _, name, _ in every}
     for param in (one for one in fit.params if one not in apart):
         pairs = [
-            Disagreement(param, (names[i], names[j]), (a.value, b.value), _apart(a, b))
+            Disagreement(param, (names[i], names[j]), (a.value, b.value), _apart(a, b), a.unit)
             for i, a in _estimates(alone, param)
             for j, b in _estimates(alone, param)
             if i < j

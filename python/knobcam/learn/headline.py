@@ -91,6 +91,20 @@ def _judged(story: LearningResult) -> Said:
                 best=OfEffect(best.effect),
                 fall=number(100.0 * best.error_fall, "%", ".1f"),
             )
+        something = head(", and still something", "Something")
+        if (more := story.one_more) is not None and not story.after.complete:
+            return said(
+                "{something} is missing that {count} effects together do not explain: {share} of the "
+                "remaining error lies along {along} ({hint}). One more, such as {more}, would take "
+                "{fall} off it, but so many draw nearly anything.",
+                something=something,
+                count=str(len(story.ladder) - 1),
+                share=share,
+                along=along,
+                hint=what.hint,
+                more=OfEffect(more.effect),
+                fall=number(100.0 * more.error_fall, "%", ".0f"),
+            )
         template = (
             "{something} is missing that no single effect of the catalogue explains: {share} of the "
             "error lies along {along} ({hint}); with these the rest is chance."
@@ -98,7 +112,6 @@ def _judged(story: LearningResult) -> Said:
             else "{something} is missing that no effect of the catalogue explains: {share} of the "
             "remaining error lies along {along} ({hint})."
         )
-        something = head(", and still something", "Something")
         return said(template, something=something, share=share, along=along, hint=what.hint)
     if names:
         was, it = ("was", "it") if len(story.found) == 1 else ("were", "them")

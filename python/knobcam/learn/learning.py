@@ -136,8 +136,16 @@ class LearningResult(showing.Tabled):
 
         Nor where so many came in that one more would explain nothing.
         """
-        enough = self.cut is not None or len(self.ladder) > RULE.most
-        return None if enough else self.weighed.best
+        return None if self.cut is not None or self._most else self.weighed.best
+
+    @property
+    def one_more(self) -> Candidate | None:
+        """What would take off more where so many came in that it explains nothing; None elsewhere."""
+        return self.weighed.best if self.cut is None and self._most else None
+
+    @property
+    def _most(self) -> bool:
+        return len(self.ladder) > RULE.most
 
     @property
     def headline(self) -> Said:

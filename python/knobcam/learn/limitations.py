@@ -100,8 +100,10 @@ def _slowness(fit: Fit, omega: FloatArray) -> Limitation | None:
         return None
     return Limitation(
         "no_slow_motion",
-        f"the speed never falls below {_SLOW * top:.3g} {unit}: what friction does near standstill cannot "
-        "show",
+        said(
+            "the speed never falls below {slow}: what friction does near standstill cannot show",
+            slow=number(_SLOW * top, unit, ".3g"),
+        ),
         "record slow turning and gentle reversals as well",
     )
 
@@ -121,8 +123,13 @@ def _excitation(fit: Fit, omega: FloatArray) -> Limitation | None:
     units, rms = SI[fit.model.coordinate], math.sqrt(float(np.mean(alpha**2)))
     return Limitation(
         "too_slow",
-        f"the motion is too slow or too even, with speeds of {low:.3g} to {high:.3g} {units['omega']} and "
-        f"accelerations of {rms:.3g} {units['alpha']} (RMS): neither viscous friction nor inertia stands out",
+        said(
+            "the motion is too slow or too even, with speeds of {low} to {high} and accelerations of {rms} "
+            "(RMS): neither viscous friction nor inertia stands out",
+            low=f"{low:.3g}",
+            high=number(high, units["omega"], ".3g"),
+            rms=number(rms, units["alpha"], ".3g"),
+        ),
         "turn faster and change speed more, as a sweep does",
     )
 

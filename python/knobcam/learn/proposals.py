@@ -191,7 +191,15 @@ class Proposals(showing.Tabled):
 
     def _parameters(self) -> list[tuple[str, str, str, str]]:
         first = self.laws[0]
-        return [(name, f"{e.value:.6g}", e.interval, e.unit) for name, e in first.params.items()]
+        return [
+            (
+                name,
+                f"{e.value:.6g}" if e.determined else "",
+                e.interval,
+                e.unit,
+            )  # what is not known has no number
+            for name, e in first.params.items()
+        ]
 
     def __repr__(self) -> str:
         if not self.laws:

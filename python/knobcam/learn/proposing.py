@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from .. import _core
+from ..base.said import OfEffect, said
 from ..errors import InputError
 from ..fit.beyond import incoherent
 from ..fit.diagnose import Diagnosis, diagnose
@@ -25,12 +27,13 @@ if TYPE_CHECKING:
     from ..fit import Fit
     from .learning import LearningResult
 
+_SCALE = re.compile(r"a\d*")  # what the search calls the amplitudes of its laws
 FITTED = 5
 """Laws that are fitted with the whole model, and so end up in the front: the best and the shortest."""
 NAMED = 2
 """Parameters that a sum of laws has to do without before it takes the place of a name."""
 MOSTLY = 0.8
-"""Share of what a law with a constant that nothing determines explains, from which one without is first."""
+"""Share of what a law with a constant that nothing determines explains, from which one without is as good."""
 SAME = 1.0
 """Variances of the noise by which two laws that are one, written anew, may differ in what they explain."""
 
@@ -65,7 +68,7 @@ def propose(story: LearningResult, progress: Callable[[float], object] | None = 
     rows = laws[:FITTED] if shortest in laws[:FITTED] else [*laws[: FITTED - 1], shortest]
     ordered = _ordered([(_fitted(fit, row), row[4]) for row in rows])
     if (name := _named(story, fit, max(ordered, key=lambda one: one.score))) is not None:
-        return replace(none, why=f"{name} explains as much, and has a name")
+        return replace(none, why=said("{name} explains as much, and has a name", name=OfEffect(name)))
     needs, surface, written = shapes
     if written is not None:
         row, unseen = written
@@ -118,7 +121,9 @@ def _closed(story: LearningResult) -> bool:
 def _needless(story: LearningResult) -> str:
     """Why there is nothing to propose; empty where there is."""
     if story.verdict != "unexplained" and len(story.found) < 2:
-        return f"{story.found[0]} explains what is missing" if story.found else "chance explains what is left"
+        (cause,) = story.found or ("",)
+        explains = said("{cause} explains what is missing", cause=OfEffect(cause))
+        return explains if cause else "chance explains what is left"
     if story.cut is not None:
         return "the search for names was cut short"
     fit = story.fit
@@ -176,19 +181,29 @@ def _fitted(fit: Fit, row: Any) -> Proposal:
 def _ordered(proposals: list[tuple[Proposal, bool]]) -> tuple[Proposal, ...]:
     """Laws in the order of the search, one of those that say the same, written anew or not; some later.
 
-    Of those that explain as much as the best those that bend what resists below zero beyond doubt, and those
-    with a constant that nothing determines, whose limit may be what is meant, where one without explains most
-    of as much.
+    Of those that explain as much as the best those that bend what resists below zero beyond doubt; and of
+    which a part may be nothing, where one without such a part explains most of as much. There those with a
+    constant that nothing determines are none: what they mean is their limit, and no number says it.
     """
     bent = [(not alike, len(below_zero(one.fit)) if alike else 0) for one, alike in proposals]
     laws = [proposals[at][0] for at in sorted(range(len(proposals)), key=bent.__getitem__)]
     # The same formula may end with other constants: they are one law, whose best ones come first.
     laws = [one for at, one in enumerate(laws) if all(one.label != other.label for other in laws[:at])]
     laws = [one for one in laws if not any(_anew(one, other) for other in laws)]
-    firm = [one for one in laws if all(e.determined for e in one.params.values())]
-    if firm and firm[0].gain >= MOSTLY * laws[0].gain:
-        laws.sort(key=lambda one: one is not firm[0])
+    most = MOSTLY * max((one.gain for one in laws), default=0.0)
+    known = [one for one in laws if all(e.determined for e in one.params.values())]
+    if any(one.gain >= most for one in known):
+        laws = known
+    whole = [one for one in laws if not _in_part(one)]
+    if whole and whole[0].gain >= most:
+        laws.sort(key=lambda one: one is not whole[0])
     return tuple(laws)
+
+
+def _in_part(one: Proposal) -> bool:
+    """Whether what scales a law, or a part of a sum, is not known to be more than nothing."""
+    scales = [e for name, e in one.params.items() if _SCALE.fullmatch(name)]
+    return any(not e.determined or e.ci95[0] <= 0.0 <= e.ci95[1] for e in scales)
 
 
 def _anew(one: Proposal, other: Proposal) -> bool:

@@ -68,7 +68,9 @@ def select(
     try:
         grown = _grown(ladder, without, tell, deadline, given=given, detents=detents)
         if (start := joint_first(grown.ladder)) is not None:
-            tell(f"weighing what could be missing beside {start.added} alone")
+            tell(
+                said("weighing what could be missing beside {joint} alone", joint=OfEffect(str(start.added)))
+            )
             begun = [ladder[0], start]
             again = _grown(begun, without, tell, deadline, given=given, detents=detents)
             grown = again if again.unexplained is None else grown
@@ -105,7 +107,8 @@ def _grown(
 
     while True:
         fit = ladder[-1].fit
-        tell(f"weighing what could be missing from {', '.join(fit.model.effects)}")
+        there = in_words(", ", map(OfEffect, fit.model.effects))
+        tell(said("weighing what could be missing from {there}", there=there))
         deadline.weighing = absent(fit, {*without, *described})[0]
         deadline()
         diagnosis = worth_adding(fit, without, deadline)
@@ -151,7 +154,7 @@ def _grown(
                 return selection
             ladder[1:] = pair
             continue
-        tell(f"adding {best.effect}")
+        tell(said("adding {best}", best=OfEffect(best.effect)))
         best, richer = followed_to(diagnosis, best)
         if detents and richer.model.period is None:
             richer = with_detents(richer)
@@ -286,7 +289,7 @@ def followed(diagnosis: Diagnosis, tell: Callable[[str], None]) -> Diagnosis | N
     best = max(led, key=lambda one: one.score, default=None)
     if best is None or best.place != "coupling":
         return None
-    tell(f"following {best.effect} to its end")
+    tell(said("following {best} to its end", best=OfEffect(best.effect)))
     fit = diagnosis.fit
     end = replace(best, fit=replace(converged(best.fit), before=fit))
     end = replace(end, gain=gain(fit, end.fit, fit))

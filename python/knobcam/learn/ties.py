@@ -59,7 +59,8 @@ def told_again(
         bare = drop(last, step.added)
         if len(bare.model.effects) < len(last.model.effects) - 1:
             continue  # what changes it would have to go too
-        tell(f"weighing {step.added} against {', '.join(others)} again")
+        names = joined(", ", map(OfEffect, others))
+        tell(said("weighing {added} against {others} again", added=OfEffect(step.added), others=names))
         try:
             deadline()
             if joint:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 from .. import _core
 from ..base import showing
 from ..base.door import checked
+from ..base.meant import meant
 from ..base.renamed import renamed
 from ..base.tables import TextTable, text_table
 from ..errors import InputError
@@ -200,5 +201,7 @@ def effect(name: str, coordinate: str = "rotary") -> Effect:
     """
     catalogue = effects(coordinate)
     if name not in catalogue:
-        raise InputError(f"effect '{name}' is not in the catalogue; it has {', '.join(catalogue)}")
+        near = meant(name, catalogue)
+        has = f"{near}; `knobcam effects` lists all" if near else f"it has {', '.join(catalogue)}"
+        raise InputError(f"effect '{name}' is not in the catalogue; {has}")
     return catalogue[name]

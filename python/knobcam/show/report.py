@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from .._core import __version__
 from ..base.writing import write as write_file
+from ..fit.estimate import rows_of
 from ..fit.refit import percent
 from ..fit.unheard import unheard
 from ..learn.contenders import untold
@@ -21,7 +22,17 @@ from ..model.effects import effect as catalogued
 from .look_page import section
 from .markup import bullets, figure, law, paragraph, style, wide_table
 from .samples import steps
-from .words import and_words, effect_word, param_word, sentence, unit_word, worded
+from .words import (
+    and_words,
+    axis_word,
+    effect_word,
+    or_words,
+    param_word,
+    sentence,
+    unit_word,
+    with_params,
+    worded,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -31,6 +42,8 @@ if TYPE_CHECKING:
     from ..learn import LearningResult
     from ..learn.ladder import LearningStep
 
+_FEW = 2  # captures of which each has its own facts
+_ROOM = 12  # parameters that stand on one page beside a picture
 _MINUS = re.compile(r"(?<![\w.-])-(?=\d)")
 """The hyphen before a number."""
 
@@ -50,11 +63,9 @@ def html(learned: LearningResult) -> str:
         facts=escape(_facts(learned)),
         verdict=learned.verdict,
         headline=escape(sentence(learned.headline, learned.model.coordinate)),
-        learned=figure(
-            learned.plot(), "Error ladder, residual before and after, parameters that moved, the rest."
-        ),
+        learned=_story(learned),
         style=style(),
-        params=_params("All parameters of the last model", learned),
+        params=_on_sheet(learned),
         untold=_untold(learned),
         next=_next(learned),
         look=look.markup,
@@ -69,25 +80,45 @@ def html(learned: LearningResult) -> str:
     )
 
 
+def _story(learned: LearningResult) -> str:
+    """All in one picture, without the headline that stands above it."""
+    drawn = learned.plot()
+    drawn.suptitle("")
+    return figure(drawn, "Error ladder, residual before and after, parameters that moved, the rest.")
+
+
 def _title(learned: LearningResult) -> str:
     from .plot.style import name_of  # with what draws, which a page alone does not need
 
+    if len(learned.captures) > _FEW:  # the appendix has the others
+        others = len(learned.captures) - 1
+        return f"What is missing in the model of {name_of(learned.captures[0])} and {others} more captures"
     names = Counter(map(name_of, learned.captures))
     known = (name if count == 1 else f"{name} ({count} captures)" for name, count in names.items())
     return f"What is missing in the model of {', '.join(known)}"
 
 
 def _untold(learned: LearningResult) -> str:
-    """What the captures cannot tell: names that explain them as well, values, what nothing explains."""
+    """What the captures cannot tell: names that explain them as well, and values.
+
+    What nothing explains is the headline of the page.
+    """
     kind = learned.model.coordinate
+    alike: dict[str, list[str]] = {}
+    for added, other in untold(learned):
+        if other in learned.model.effects:
+            continue  # it came in later, beside the first
+        alike.setdefault(effect_word(added, kind), []).append(effect_word(other, kind))
     said = [
-        f"{effect_word(added, kind)} from {effect_word(other, kind)}: either explains these captures"
-        for added, other in untold(learned)
+        f"{added} from {or_words(others)}: {'either' if len(others) == 1 else 'each'} explains these captures"
+        for added, others in alike.items()
     ]
     said += [worded(one.message, kind) for one in learned.limitations]
-    said += [f"{param_word(name, kind)}: {why}" for name, why in learned.fit.undetermined.items()]
-    if learned.unexplained is not None:
-        said.append(_unexplained(learned))
+    fit = learned.fit
+    why_not: dict[str, list[str]] = {}
+    for name, why in fit.undetermined.items():
+        why_not.setdefault(with_params(why, fit.params, kind), []).append(param_word(name, kind))
+    said += [f"{and_words(names)}: {why}" for why, names in why_not.items()]
     return bullets(said) if said else paragraph("Nothing that was asked of them.")
 
 
@@ -103,6 +134,16 @@ def _next(learned: LearningResult) -> str:
 
 
 def _facts(learned: LearningResult) -> str:
+    if len(learned.captures) > _FEW:
+        count = sum(one.samples for one in learned.captures)
+        fitted = sum(one.core.used for one in learned.fit.prepared)
+        seconds = sum(one.duration_s for one in learned.captures)
+        return f"{len(learned.captures)} captures, {count} samples, {seconds:.4g} s, {fitted} samples fitted"
+    return "; ".join(_each(learned))
+
+
+def _each(learned: LearningResult) -> list[str]:
+    """Facts of each capture."""
     parts = []
     for capture, signals in zip(learned.captures, learned.fit.prepared, strict=True):
         masked = int((~capture.mask).sum())
@@ -110,7 +151,7 @@ def _facts(learned: LearningResult) -> str:
             f"{capture.samples} samples, {capture.duration_s:.4g} s at {capture.rate_hz:.6g} Hz, "
             f"{masked} masked, {signals.core.used} fitted"
         )
-    return "; ".join(parts)
+    return parts
 
 
 def _found(learned: LearningResult) -> str:
@@ -140,14 +181,25 @@ def _found(learned: LearningResult) -> str:
     return "\n".join(parts)
 
 
-def _params(caption: str, learned: LearningResult, effect: str | None = None) -> str:
-    """The parameters of the last model as a table, or of one of its effects."""
+def _params(caption: str, learned: LearningResult, effect: str | None = None, most: int | None = None) -> str:
+    """The parameters of the last model as a table, or of one of its effects; or `most` that were fitted."""
     rows = [
         (name, value, interval, unit_word(unit))
-        for name, value, interval, unit in learned.fit.rows()
-        if effect in (None, name.partition(".")[0])
+        for name, value, interval, unit in rows_of(learned.params)
+        if effect in (None, name.partition(".")[0]) and not (most and learned.params[name].held)
     ]
-    return wide_table(caption, learned.fit.HEAD, _worded(rows, learned.model.coordinate))
+    return wide_table(caption, learned.fit.HEAD, _worded(rows[:most], learned.model.coordinate))
+
+
+def _on_sheet(learned: LearningResult) -> str:
+    """As many of the parameters as there is room for on one page, and where the others are."""
+    count = len(learned.params)
+    if count <= _ROOM:
+        return _params("All parameters of the last model", learned)
+    fitted = sum(not one.held for one in learned.params.values())
+    what = f"{min(_ROOM, fitted)} of the {count} parameters of the last model"
+    rest = "the others, and what is fixed, stand in the appendix, under How sure"
+    return _params(f"{what}; {rest}", learned, most=_ROOM)
 
 
 def _worded(rows: Iterable[Sequence[str]], kind: str) -> list[tuple[str, ...]]:
@@ -236,7 +288,7 @@ def _remains(learned: LearningResult) -> str:
         parts.append(figure(learned.after.plot(), said))
     if learned.disagreements:
         parts.append("<h3>Where the captures disagree</h3>")
-        parts.append(bullets(f"{one}." for one in learned.disagreements))
+        parts.append(bullets(f"{one.sentence}." for one in learned.disagreements))
     return "\n".join(parts)
 
 
@@ -244,11 +296,13 @@ def _unexplained(learned: LearningResult) -> str:
     what, best = learned.unexplained, learned.not_added
     assert what is not None
     does = "No effect of the catalogue does that."
+    if learned.one_more is not None:
+        does = f"The {len(learned.ladder) - 1} effects that came in do not, and one more would draw anything."
     if best is not None:
         does = (
             f"{effect_word(best.effect, learned.model.coordinate)} could be missing, and is not in the model."
         )
-    share = f"{100.0 * what.share:.0f} % of the remaining error variance lies along {what.axis}"
+    share = f"{100.0 * what.share:.0f} % of the remaining error variance lies along {axis_word(what.axis)}"
     return f"{share}; {worded(what.hint, learned.model.coordinate)}. {does}"
 
 
@@ -267,7 +321,14 @@ def _sure(learned: LearningResult) -> str:
             "on blocks that the fit did not see."
         )
     ]
-    said = [*fit.warnings]
+    if len(learned.captures) > _FEW:
+        from .plot.style import name_of
+
+        each = zip(map(name_of, learned.captures), _each(learned), strict=True)
+        parts += ["<h3>The captures</h3>", bullets(f"{name}: {facts}" for name, facts in each)]
+    if len(learned.params) > _ROOM:
+        parts.append(_params("All parameters of the last model", learned))
+    said = [with_params(one, fit.params, learned.model.coordinate) for one in fit.warnings]
     for signals in fit.prepared:
         said += signals.notes
         said += [str(finding) for finding in signals.findings]

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
-from ..base.said import OfEffect, OfParam, Said
+from ..base.said import OfAxis, OfEffect, OfParam, Said
 from ..model.effects import effects
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
+_PARAM = re.compile(r"(\w+\.\w+)")
 _SHORT = {"N s^2/m": "kg", "N m s^2/rad": "kg m²", "1": ""}
 """Units with a shorter name; the radian is left out, as everybody does."""
 
@@ -26,10 +28,36 @@ def param_word(name: str, coordinate: str) -> str:
     return f"{effect_word(effect, coordinate)}: {own}"
 
 
+def axis_word(axis: str) -> str:
+    """Return what an axis is called."""
+    return "distance since reversal" if axis == "history" else axis
+
+
 def and_words(several: Sequence[str]) -> str:
     """Return several words as one speaks: a, b and c."""
+    return _listed(several, "and")
+
+
+def or_words(several: Sequence[str]) -> str:
+    """Return the same of which one is meant: a, b or c."""
+    return _listed(several, "or")
+
+
+def axis_tick(axis: str) -> str:
+    """Return the same where there is little room."""
+    return "since reversal" if axis == "history" else axis
+
+
+def _listed(several: Sequence[str], between: str) -> str:
     *head, last = several
-    return f"{', '.join(head)} and {last}" if head else last
+    return f"{', '.join(head)} {between} {last}" if head else last
+
+
+def with_params(said: str, params: Iterable[str], coordinate: str) -> str:
+    """Return text in which parameters of a model stand by their names with these in words."""
+    known = {*params}
+    words = _PARAM.split(said)
+    return "".join(param_word(one, coordinate) if one in known else one for one in words)
 
 
 def unit_word(unit: str) -> str:
@@ -52,6 +80,8 @@ def worded(said: str, coordinate: str) -> str:
             told.append(effect_word(part.effect, coordinate))
         elif isinstance(part, OfParam):
             told.append(param_word(part.param, coordinate))
+        elif isinstance(part, OfAxis):
+            told.append(axis_word(part.along))
         else:
             told.append(str(part))
     return "".join(told)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from ..base import pages
+from ..base.said import Said
 from ..errors import InputError
 from . import state
 from .jobs import Job, Worker
@@ -162,4 +163,9 @@ class Bench:
             hear(event, content)
 
     def _described(self, job: Job) -> pages.Job:
-        return {"id": job.id, "what": job.what, "done": job.done, "recording": job is self.recorder.job}
+        return {
+            "id": job.id,
+            "what": Said(job.what).document(),
+            "done": job.done,
+            "recording": job is self.recorder.job,
+        }

@@ -13,11 +13,14 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from .. import _core
 from ..base.reading import digest
+from ..base.said import OfEffect, said
 from ..base.writing import write
 from ..capture import load
 from ..errors import InputError
-from ..fit import fit
+from ..fit import fit, refit
+from ..fit.fitting import as_logged
 from ..model import Model
 from . import sources
 from .designed import Designed
@@ -26,7 +29,7 @@ from .tree import Branch, Node, Opened, Start
 from .view import View
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator, Mapping, Sequence
 
     from ..capture import Capture
     from ..fit import Fit
@@ -56,6 +59,7 @@ def of_node(node: Node, after: Node | None) -> Record:
     told: dict[str, Any] = {"id": node.id, "after": None if after is None else after.id, "how": node.how}
     told |= {"effect": node.effect, "captures": list(node.captures), "onward": node.onward}
     told |= {"p_value": node.p_value, "equivalent": list(node.equivalent)}
+    told |= {"also_dropped": list(node.also_dropped), "rung": node.rung}
     return {"node": told | {"rmse": node.fit.rmse, "model": node.fit.model.text()}}
 
 
@@ -199,7 +203,8 @@ def _again(told: Told, journal: Journal, tell: Tell) -> Again:
     wanted = {step for one in told.place.get("branches", []) for step in one["steps"]}
     for one in told.nodes.values():
         if one["id"] in wanted:
-            tell(f"fitting {one['effect'] or 'the first model'} again")
+            what = OfEffect(one["effect"]) if one["effect"] else "the first model"
+            tell(said("fitting {what} again", what=what))
             _fit_again(one, found, start)
     for one in told.designs.values():
         if one["node"] in found.nodes:
@@ -251,6 +256,7 @@ def _fit_again(told: Record, found: Again, start: Start) -> None:
         )
     p_value = math.nan if told["p_value"] is None else told["p_value"]
     evidence: dict[str, Any] = {"p_value": p_value, "equivalent": tuple(told["equivalent"])}
+    evidence |= {"also_dropped": tuple(told.get("also_dropped", ())), "rung": told.get("rung")}
     captures = tuple(told["captures"])
     found.nodes[told["id"]] = Node(
         told["id"], fitted, captures, told["how"], told["effect"], told["onward"], **evidence
@@ -261,14 +267,32 @@ def _fitted(told: Record, before: Node | None, found: Again, start: Start) -> Fi
     captures = [found.captures[one].capture for one in told["captures"]]
     if told["how"] == "added" and before is not None:
         known = Model.parse(told["model"])
+        if told.get("rung") is not None:
+            return replace(_come_to(captures, known, start), before=before.fit)
         if told["effect"] not in known.laws:
-            return before.fit.add(told["effect"])
+            richer = before.fit.add(told["effect"])
+            for effect in told.get("also_dropped", ()):
+                richer = richer.drop(effect)
+            return richer
         # A formula has no start of its own: it begins where it came to.
-        return replace(fit(captures, known, **start.options), before=before.fit)
+        return replace(fit(captures, known, **_options(start)), before=before.fit)
     if told["how"] == "dropped" and before is not None:
         return before.fit.drop(told["effect"])
+    if told.get("rung") is not None:
+        return _come_to(captures, Model.parse(told["model"]), start)
     model = before.fit.model if before is not None and told["onward"] else start.model
-    return fit(captures, model, **start.options)
+    return fit(captures, model, **start.options if model is start.model else _options(start))
+
+
+def _come_to(captures: Sequence[Capture], model: Model, start: Start) -> Fit:
+    """Return the fit that a search for everything had come to: which way it went is not gone again."""
+    near = refit.with_clipped(as_logged(captures, model, **_options(start)))
+    return refit.converged(replace(near, core=_core.refine(refit.cores(near), model.core, True)))
+
+
+def _options(start: Start) -> Mapping[str, Any]:
+    """Return the options of a fit that begins with a model, which detents are no choice of."""
+    return {name: value for name, value in start.options.items() if name != "detents"}
 
 
 def _branch_again(told: Record, found: Again, was: Told, journal: Journal) -> None:

@@ -33,7 +33,7 @@ def ladder(done: Sequence[Node]) -> list[LearningStep]:
             steps = _carried(node, steps) if node.onward else [LearningStep(node.fit)]
         elif node.how == "added":
             fitted = replace(node.fit, before=steps[-1].fit)
-            evidence = (node.effect, node.p_value, node.equivalent, (), node.diagnosis)
+            evidence = (node.effect, node.p_value, node.equivalent, node.also_dropped, node.diagnosis)
             steps.append(LearningStep(fitted, *evidence))
         else:
             last = steps.pop()

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from ..capture.formats.columnmap import Entry
 
 _MOST = 60  # columns; what has more was not meant to be looked at
+_FEWEST = 2  # an angle, and a torque: the times may be told by a rate
 _WIDE = 60  # pieces of a column's outline
 _FILLED_IN = (
     "The names of its columns do not say which is which. The fields hold what they seem to be, by names and "
@@ -52,12 +53,20 @@ def explained(error: InputError, path: Path, options: Mapping[str, Any], max_byt
         said, asked, _ = str(error).partition("; say which is which, for example --map")
         if asked:  # its folder and its columns are on the screen, and what the map of a command would be too
             why = said.removeprefix(f"{path}: ").partition("; the file has ")[0]
-            said = f"{path.name}: {why}: say which column is which, and in what unit."
+            said = f"{path.name}: {_plainly(why, len(shown))}"
         if isinstance(again, Unclear) and again.unnamed and {"theta", "tau"} <= set(found):
             said = _FILLED_IN  # what it lacks by name stands in the fields already
         guess = {name: _guessed(entry) for name, entry in found.items()}
         return Unmapped(said, shown[:_MOST], guess)
     return error
+
+
+def _plainly(why: str, columns: int) -> str:
+    """What a file lacks and what to do, without the names that columns have in a file of one's own."""
+    takes = "a capture takes an angle or position, and a torque, force or motor current"
+    if columns < _FEWEST:
+        return f"this file has one column of numbers alone, and {takes}; open another file."
+    return f"{takes if why.startswith('no columns ') else why}: say which column is which, and in what unit."
 
 
 def _guessed(entry: Entry) -> pages_sources.Guess:

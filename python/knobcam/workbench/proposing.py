@@ -16,10 +16,10 @@ from ..model.own_law import free_name, guesses
 from ..model.sliding import written
 from ..show.words import unit_word
 from . import arrays, formulas
+from .adding import story
 from .answers import answered, bytes_answer, finished
 from .bodies import read_json, text, whole
 from .jobs import Cancelled
-from .learned import learned
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from ..base import pages, pages_said
     from ..base.arrays import FloatArray
     from ..base.pages_left import Curve
-    from ..fit import Estimate
+    from ..fit import Estimate, Fit
     from ..learn.proposals import Proposal, Proposals
     from .bench import Bench
     from .jobs import Job
@@ -128,13 +128,13 @@ class Proposing:
 
 def looked_for(session: Session, tell: Tell) -> None:
     """Look for laws of what is left where the branch is, unless that was done."""
-    node, done = session.node, session.branch.done
+    node = session.node
     if node.id in session.proposals:
         return
-    story = learned(done, session.weigh(tell))
+    found_here = story(session, tell)
     doing = "looking for a law"
     tell(doing)
-    found = story.propose(lambda share: tell(doing, share))
+    found = found_here.propose(lambda share: tell(doing, share))
     tell("putting the laws in place", last=True)
     with session.lock:
         session.proposals[node.id] = found
@@ -208,6 +208,7 @@ def tried(session: Session, law: str, start: Mapping[str, float], tell: Tell) ->
     return {
         "label": law,
         "law": law,
+        "fall": 1.0 - richer.rmse / node.fit.rmse,
         "rmse": richer.rmse,
         "rmse_heldout": richer.rmse_heldout,
         "variables": [],
@@ -228,7 +229,7 @@ def document(found: Proposals | None) -> list[pages.Law] | None:
     """Return what a page is told of laws, the one first for which most speaks; None: not looked for."""
     if found is None:
         return None
-    return [_law(one, one in found.front, found.beside.model.coordinate) for one in found.laws]
+    return [_law(one, one in found.front, found.beside) for one in found.laws]
 
 
 def headline(found: Proposals | None) -> list[pages_said.Part]:
@@ -262,7 +263,12 @@ def curve(found: Proposals | None) -> Curve | None:
 
 
 def _in_words(params: Mapping[str, Estimate]) -> list[str]:
-    words = (f"{name} = {e.value:.4g} {unit_word(e.unit)} ({e.interval})" for name, e in params.items())
+    words = (
+        f"{name} = {e.value:.4g} {unit_word(e.unit)} ({e.interval})"
+        if e.determined
+        else f"{name} {e.interval}"
+        for name, e in params.items()
+    )
     return [one.replace("-", "−").replace("  ", " ") for one in words]
 
 
@@ -276,12 +282,14 @@ def doubt_of(params: Mapping[str, Estimate]) -> str:
     return "; ".join(words)
 
 
-def _law(one: Proposal, front: bool, coordinate: str) -> pages.Law:
+def _law(one: Proposal, front: bool, beside: Fit) -> pages.Law:
+    coordinate = beside.model.coordinate
     words = _in_words(one.params)
     words += ["no shorter law is as good"] if front else []
     return {
         "label": written(one.label, coordinate),
         "law": written(one.law, coordinate),
+        "fall": 1.0 - one.rmse / beside.rmse,
         "rmse": one.rmse,
         "rmse_heldout": one.rmse_heldout,
         "variables": list(one.variables),

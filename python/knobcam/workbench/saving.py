@@ -15,7 +15,7 @@ from typing import IO, TYPE_CHECKING
 from ..base.writing import make_folder, place, together, write
 from ..errors import InputError
 from ..show import plot
-from .learned import learned
+from .adding import story
 from .script import script
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def save(session: Session, what: str, path: Path, tell: Tell) -> Path:
 
 def told(session: Session, tell: Tell) -> LearningResult:
     """Return what the current branch has learned; what is not weighed yet is weighed for it."""
-    return learned(session.branch.done, session.weigh(tell))
+    return story(session, tell)
 
 
 def drawn(effect: Effect, tell: Tell) -> bytes:

@@ -28,7 +28,10 @@ def script(done: Sequence[Node], captures: Mapping[str, Opened], start: Start) -
     if any(captures[one].made and PARSED in captures[one].made for one in used):
         lines += ["from knobcam.capture.motion_plan import MotionPlan"]
     lines += ["", *loads]
-    lines += [_step(node, names, start) for node in done]
+    for before, node in zip([None, *done], done, strict=False):
+        begins = node.rung is not None and (before is None or before.rung != node.rung - 1)
+        lines += [_search(node, names, start)] if begins else []
+        lines += [_step(node, names, start)]
     return "\n".join([*lines, "print(fit)", ""])
 
 
@@ -42,20 +45,31 @@ def _load(opened: Opened) -> str:
     return f"kc.load({', '.join(given)}){handed_over}"
 
 
-def _step(node: Node, names: Mapping[str, str], start: Start) -> str:
-    if node.how == "added" and node.effect is not None and node.effect in node.fit.model.laws:
-        return "\n".join(_law(node, node.effect, [names[one] for one in node.captures], start))
-    if node.how == "added":
-        return f"fit = fit.add({node.effect!r})"
-    if node.how == "dropped":
-        return f"fit = fit.drop({node.effect!r})"
+def _search(node: Node, names: Mapping[str, str], start: Start) -> str:
+    """A search for everything, of which the nodes that follow are the steps."""
+    return f"story = kc.learn({_given(node, names, start)})"
+
+
+def _given(node: Node, names: Mapping[str, str], start: Start) -> str:
     given = [f"[{', '.join(names[one] for one in node.captures)}]"]
     if node.onward:
         given.append("fit.model")
     elif start.name:
         given.append(f"kc.Model.load({start.name!r})")
-    given += [f"{name}={value!r}" for name, value in start.options.items()]
-    return f"fit = kc.fit({', '.join(given)})"
+    return ", ".join([*given, *(f"{name}={value!r}" for name, value in start.options.items())])
+
+
+def _step(node: Node, names: Mapping[str, str], start: Start) -> str:
+    if node.how == "added" and node.effect is not None and node.effect in node.fit.model.laws:
+        return "\n".join(_law(node, node.effect, [names[one] for one in node.captures], start))
+    if node.rung is not None:
+        return f"fit = story.ladder[{node.rung}].fit"
+    if node.how == "added":
+        gone = "".join(f".drop({one!r})" for one in node.also_dropped)
+        return f"fit = fit.add({node.effect!r}){gone}"
+    if node.how == "dropped":
+        return f"fit = fit.drop({node.effect!r})"
+    return f"fit = kc.fit({_given(node, names, start)})"
 
 
 def _law(node: Node, name: str, captures: Sequence[str], start: Start) -> Iterator[str]:

@@ -21,6 +21,7 @@ from starlette.routing import Route
 from starlette.types import ASGIApp
 
 from ..base import pages, pages_sources
+from ..base.said import OfEffect, said
 from ..base.strict_json import as_json, island
 from ..capture import load
 from ..capture.formats import DEFAULT_MAX_BYTES
@@ -70,6 +71,7 @@ def application(bench: Bench, token: str, port: int, upload_bytes: int = UPLOAD_
     designing, proposing, ruling = Designing(bench), Proposing(bench), Ruling(bench)
     posts: dict[str, Answers] = {
         **{"add": server.add, "drop": server.drop, "undo": server.undo, "redo": server.redo},
+        "search": server.search,
         **{"branch": server.branch, "switch": server.switch, "params": server.params, "snap": server.snap},
         **{"diagnose": server.diagnose, "cancel": server.cancel, "share": server.share, "use": server.use},
         "close": server.close,
@@ -204,12 +206,18 @@ class _Server:
     async def add(self, request: Request) -> Response:
         """Add an effect."""
         effect = text(await read_json(request), "effect")
-        return await self._long(f"adding {effect}", lambda job: self.session.add(effect, job.tell))
+        doing = said("adding {effect}", effect=OfEffect(effect))
+        return await self._long(doing, lambda job: self.session.add(effect, job.tell))
+
+    async def search(self, _: Request) -> Response:
+        """Find everything that is missing."""
+        return await self._long("finding everything", lambda job: self.session.search(job.tell))
 
     async def drop(self, request: Request) -> Response:
         """Take an effect out."""
         effect = text(await read_json(request), "effect")
-        return await self._long(f"dropping {effect}", lambda job: self.session.drop(effect, job.tell))
+        doing = said("dropping {effect}", effect=OfEffect(effect))
+        return await self._long(doing, lambda job: self.session.drop(effect, job.tell))
 
     async def use(self, request: Request) -> Response:
         """Fit to these of the captures that were opened."""

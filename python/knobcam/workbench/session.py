@@ -12,10 +12,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base.reading import digest, look
+from ..base.said import OfEffect, said
 from ..capture import load
 from ..errors import InputError
-from ..fit import Fit, fit, refit
+from ..fit import Fit, fit
 from ..fit.diagnose import Diagnosis, diagnose
+from ..learn.agreement import disagreements
+from . import adding
 from .learned import ladder
 from .tell import quiet
 from .tree import Branch, How, Node, Opened, Start, laws_of_others, told_apart
@@ -24,6 +27,8 @@ from .view import View
 if TYPE_CHECKING:
     from ..capture import Capture
     from ..capture.formats.columnmap import ColumnMap
+    from ..learn import LearningResult
+    from ..learn.agreement import Disagreement
     from ..learn.proposals import Proposals
     from .designed import Designed
     from .kept import Again
@@ -52,6 +57,8 @@ class Session:
         self.nodes: dict[str, Node] = {}
         self._views: dict[str, View] = {}
         self.diagnoses: dict[str, Diagnosis] = {}
+        self.disagreed: dict[str, tuple[Disagreement, ...]] = {}
+        self.searched: dict[str, LearningResult] = {}  # of the nodes at which a search for everything ended
         self.designs: dict[str, Designed] = {}
         self.proposals: dict[str, Proposals] = {}
         self.tried: tuple[str, Fit] | None = None
@@ -171,7 +178,7 @@ class Session:
         tell("putting the fit in place", last=True)
         with self.lock:
             self.captures |= new
-            self._put(node, branch)
+            self.put([node], branch)
 
     def use(self, captures: Sequence[str], tell: Tell = quiet) -> None:
         """Fit the model to these captures, of those that were opened."""
@@ -180,7 +187,7 @@ class Session:
             raise InputError(f"capture {unknown[0]!r} is not in this session")
         node, branch = self._fitted(captures, self.captures, tell)
         tell("putting the fit in place", last=True)
-        self._put(node, branch)
+        self.put([node], branch)
 
     def _fitted(
         self,
@@ -207,36 +214,25 @@ class Session:
 
     def add(self, effect: str, tell: Tell = quiet) -> None:
         """Add an effect and fit anew. Raises InputError for one that the model cannot be given."""
-        branch, node = self.branch, self.node
-        refit.check(effect, node.fit.model)
-        doing = f"adding {effect}"
-        tell(doing)
-        diagnosis = self.diagnoses.get(node.id)
-        weighed = [one for one in diagnosis.candidates if one.effect == effect] if diagnosis else []
-        evidence: dict[str, Any] = {"diagnosis": diagnosis}
-        if weighed:
-            evidence |= {"p_value": weighed[0].p_value, "equivalent": weighed[0].equivalent}
-        # What was weighed has been fitted with the effect already, and only has to converge; where clipped
-        # samples were counted for that, it was a fit of something else.
-        if weighed and diagnosis is not None and diagnosis.fit is node.fit:
-            richer = refit.converged(weighed[0].fit)
-        else:
-            richer = refit.add(node.fit, effect, lambda _: tell(doing))
-        tell(f"putting {effect} in place", last=True)
-        self._put(self._node(richer, node.captures, "added", effect, **evidence), branch, node)
+        adding.add(self, effect, tell)
+
+    def search(self, tell: Tell = quiet) -> None:
+        """Find everything that is missing, and take it in step by step. Raises InputError as `learn` does."""
+        adding.search(self, tell)
 
     def drop(self, effect: str, tell: Tell = quiet) -> None:
         """Take an effect out and fit anew. Raises InputError for one that the model does not have."""
         branch, node = self.branch, self.node
-        tell(f"dropping {effect}")
+        tell(said("dropping {effect}", effect=OfEffect(effect)))
         barer = node.fit.drop(effect)
-        tell(f"putting the model without {effect} in place", last=True)
-        self._put(self._node(barer, node.captures, "dropped", effect), branch, node)
+        without = said("putting the model without {effect} in place", effect=OfEffect(effect))
+        tell(without, last=True)
+        self.put([self._node(barer, node.captures, "dropped", effect)], branch, node)
 
     def accept(self, effect: str, richer: Fit, p_value: float) -> None:
         """Put the fit with a law in place, which is an effect of this name by now."""
         node = self._node(richer, self.node.captures, "added", effect, p_value=p_value)
-        self._put(node, self.branch, self.node)
+        self.put([node], self.branch, self.node)
 
     def weigh(self, tell: Tell = quiet, node: Node | None = None) -> Diagnosis:
         """Return which effects could be missing at a node, by default here; weighed once for each."""
@@ -248,7 +244,9 @@ class Session:
         tell(doing)
         foreign = self.laws_of_others(node) & set(node.fit.model.catalogue())
         diagnosis = diagnose(node.fit, without=foreign, progress=lambda share: tell(doing, share))
-        _ = diagnosis.comparison.summary  # computed here, where nobody waits for it
+        # Computed here, where nobody waits for it.
+        _ = diagnosis.comparison.summary
+        self.disagreed[node.id] = disagreements(node.fit)
         self.diagnoses[node.id] = diagnosis  # whoever comes back to the node has it, wanted now or not
         with self.lock:
             self.touched()
@@ -377,20 +375,21 @@ class Session:
     def _node(self, fitted: Fit, captures: tuple[str, ...], how: How, *told: Any, **evidence: Any) -> Node:
         return Node(self.new("n"), fitted, captures, how, *told, **evidence)
 
-    def _put(self, node: Node, branch: Branch | None, after: Node | None = None) -> None:
-        """Put a node in place, if its branch is still where the work on it began."""
+    def put(self, nodes: Sequence[Node], branch: Branch | None, after: Node | None = None) -> None:
+        """Put nodes in place, one after the other, if their branch is still where the work on them began."""
         with self.lock:
             if after is not None and branch is not None and branch.node is not after:
                 raise InputError("the session has moved on meanwhile; nothing was changed")
-            self.nodes[node.id] = node
-            if node.how == "added" and node.effect is not None:
-                for capture in node.captures:
-                    self.guessed.setdefault(capture, set()).add(node.effect)
-            if branch is None:
-                self.branch_id = self.new("b")
-                self.branches[self.branch_id] = Branch(self.branch_id, "main", [node], 0)
-            else:
-                branch.go(node)
+            for node in nodes:
+                self.nodes[node.id] = node
+                if node.how == "added" and node.effect is not None:
+                    for capture in node.captures:
+                        self.guessed.setdefault(capture, set()).add(node.effect)
+                if branch is None:
+                    branch = Branch(self.new("b"), "main", [node], 0)
+                    self.branch_id, self.branches[branch.id] = branch.id, branch
+                else:
+                    branch.go(node)
             self.touched()
 
     def touched(self) -> None:

@@ -16,7 +16,7 @@ from ..fit.plausible import out_of_range
 from ..learn import LearningResult
 from ..learn.limitations import limitations
 from ..learn.limits import Limits
-from ..model.effects import base_effects, effects, titles
+from ..model.effects import base_effects, base_effects_shown, effects, titles
 from ..show.samples import below_hz, candidates, peak
 from . import proposing, ruling, surface
 from .closing import open_ones
@@ -24,13 +24,12 @@ from .designing import origin
 from .learned import carried, conclusion, in_vain, ladder
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from ..base.pages_said import Part
     from ..fit import Estimate, Fit
     from ..fit.diagnose import Diagnosis
     from ..learn.ladder import LearningStep
-    from ..learn.selection import Selection
     from ..model import Model, Parameter
     from ..model.effects import Effect
     from .designed import Designed
@@ -54,11 +53,12 @@ def document(session: Session) -> pages.Session:
         diagnosis = session.diagnosis_of(branch.node.id)
         shown, laws = session.experiment, session.proposals.get(branch.node.id)
         foreign = session.laws_of_others(branch.node)
+        searched = session.searched.get(branch.node.id)
+        disagreed = session.disagreed.get(branch.node.id, ())
     fitted = view.fit
     told = _said(fitted)
     steps = ladder(branch.done)
-    end = _end(steps, diagnosis)
-    story = None if end is None else LearningResult(*end)
+    story = searched or _end(steps, diagnosis)
     left = None if story is None else story.unexplained
     headline = None if story is None else story.headline
     return {
@@ -71,13 +71,16 @@ def document(session: Session) -> pages.Session:
         "unit": fitted.torque_unit,
         "peak": told.peak,
         "below_hz": below_hz(fitted),
-        "params": _parameters(view),
+        "params": _parameters(view, fitted.params if searched is None else searched.params),
         "together": told.together,
         "rmse": view.rmse,
         "rmse_heldout": view.rmse_heldout,
         "added": _added(steps, headline),
         "concluded": [] if headline is None else headline.document(),
-        "verdict": _verdict(steps, diagnosis, headline).document(),
+        "searched": searched is not None,
+        "verdict": _verdict(
+            steps, diagnosis or (None if searched is None else searched.weighed), headline
+        ).document(),
         "record": None if story is None else story.record,
         "carried": [
             {
@@ -99,6 +102,7 @@ def document(session: Session) -> pages.Session:
         "candidates": known["candidates"] if diagnosis is None else candidates(diagnosis, left),
         "warnings": list(fitted.warnings),
         "limitations": told.limitations,
+        "disagreements": [one.sentence.document() for one in disagreed],
         "titles": titles(fitted.model.coordinate),
         "absent": [one for one in told.absent if one["effect"] not in foreign],
         "untold": _untold(steps),
@@ -140,13 +144,15 @@ def _reached(fitted: Fit) -> dict[str, float] | None:
 
 def unexplained(session: Session) -> bool:
     """Whether it is known where the session is, and what is left there has no name."""
-    end = _end(ladder(session.branch.done), session.diagnosis_of(session.node.id))
+    known = session.searched.get(session.node.id)
+    end = known or _end(ladder(session.branch.done), session.diagnosis_of(session.node.id))
     return end is not None and end.unexplained is not None
 
 
-def _end(steps: list[LearningStep], diagnosis: Diagnosis | None) -> Selection | None:
+def _end(steps: list[LearningStep], diagnosis: Diagnosis | None) -> LearningResult | None:
     """What a ladder comes to; None where something is left to be added, and nothing is concluded yet."""
-    return None if diagnosis is None or diagnosis.best is not None else conclusion(steps, diagnosis)
+    open_still = diagnosis is None or diagnosis.best is not None
+    return None if diagnosis is None or open_still else LearningResult(*conclusion(steps, diagnosis))
 
 
 def absent(model: Model) -> list[Effect]:
@@ -184,6 +190,7 @@ def _nothing(session: Session) -> pages.Session:
         "rmse_heldout": None,
         "added": [],
         "concluded": [],
+        "searched": False,
         "verdict": ["Open a capture to begin."],
         "record": None,
         "carried": [],
@@ -191,6 +198,7 @@ def _nothing(session: Session) -> pages.Session:
         "candidates": {"ready": False, "rows": [], "unexplained": None, "left_out": {}},
         "warnings": [],
         "limitations": [],
+        "disagreements": [],
         "titles": {},
         "absent": [],
         "untold": [],
@@ -227,7 +235,10 @@ def _branch(branch: Branch) -> pages.Branch:
                 "node": node.id,
                 "anew": node.how == "fitted" and not node.onward,
                 "added": node.effect if node.how == "added" else None,
-                "dropped": node.effect if node.how == "dropped" else None,
+                "dropped": [
+                    *node.also_dropped,
+                    *([node.effect] if node.how == "dropped" and node.effect else []),
+                ],
                 "rmse": node.fit.rmse,
                 "rmse_heldout": node.fit.rmse_heldout,
                 "noise_floor": node.fit.noise_floor,
@@ -238,13 +249,13 @@ def _branch(branch: Branch) -> pages.Branch:
     }
 
 
-def _parameters(view: View) -> list[pages.Param]:
+def _parameters(view: View, estimates: Mapping[str, Estimate]) -> list[pages.Param]:
     catalogue = view.model.catalogue()
     rows: list[pages.Param] = []
     for name, now in view.model.params.items():
         effect, own = name.split(".", 1)
         info = catalogue[effect].parameter(own)
-        estimate = view.fit.params[name]
+        estimate = estimates[name]
         doubt = _doubt(name, estimate, catalogue[effect], view)
         rows.append(
             {
@@ -314,9 +325,14 @@ def _doubt(name: str, estimate: Estimate, effect: Effect, view: View) -> str | N
 
 
 def _said_before(effect: Effect, view: View) -> bool:
-    """Whether it was said of an effect, before it came in, that its captures do not determine its values."""
+    """Whether it was said of an effect before it came in that its captures do not determine its values.
+
+    Or would have been, had it not come in by itself.
+    """
     if effect.id in base_effects(view.model.coordinate):
         return False
+    if effect.id in base_effects_shown(view.model.coordinate):
+        return True  # nobody asked for it
     own = {one: e for one, e in view.fit.params.items() if one.startswith(f"{effect.id}.")}
     return effect.id in view.model.laws or bool(unsettled(effect, own))
 

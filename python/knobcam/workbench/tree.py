@@ -73,7 +73,9 @@ class Node:
 
     `how` is what made it: all parameters `fitted` to the `captures`, an `effect` `added` to the node before,
     or `dropped` from it. `onward` says that a `fitted` one started from the model of the node before.
-    `p_value`, `equivalent` and `diagnosis` are the evidence for an effect that was weighed before it came in.
+    `p_value`, `equivalent` and `diagnosis` are the evidence for an effect that was weighed before it came in,
+    `also_dropped` what it made needless. One that a search for everything came to is the `rung` of its
+    ladder, counted from 0.
     """
 
     id: str
@@ -85,6 +87,8 @@ class Node:
     p_value: float = math.nan
     equivalent: tuple[str, ...] = ()
     diagnosis: Diagnosis | None = None
+    also_dropped: tuple[str, ...] = ()
+    rung: int | None = None
 
 
 def laws_of_others(node: Node, nodes: Iterable[Node]) -> set[str]:

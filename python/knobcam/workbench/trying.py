@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from . import designed
-from .learned import learned
+from .adding import story
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -24,9 +24,8 @@ def design(
     With `by_hand` it is one that a hand can make.
     Raises InputError for what cannot be fitted, and for limits within which nothing moves.
     """
-    node, done = session.node, session.branch.done
-    story = learned(done, session.weigh(tell))
-    found = designed.designed(story, names, limits, by_hand, node.id, tell)
+    node = session.node
+    found = designed.designed(story(session, tell), names, limits, by_hand, node.id, tell)
     tell("putting the motion in place", last=True)
     session.keep(found)
 

@@ -37,7 +37,13 @@ def between(
     keep = (t >= first) & (t <= last)
     if not keep.any():
         raise InputError(
-            f"{source}: no sample lies from start={start} to end={end}; the file runs from "
+            f"{source}: no sample lies {_asked(start, end)}; the file runs from "
             f"{np.nanmin(t, initial=math.inf):.6g} to {np.nanmax(t, initial=-math.inf):.6g} s"
         )
     return keep
+
+
+def _asked(start: float | None, end: float | None) -> str:
+    """A stretch in words, of which one end at least is given."""
+    ends = ["" if start is None else f"from {start:g} s on", "" if end is None else f"up to {end:g} s"]
+    return f"from {start:g} to {end:g} s" if all(ends) else "".join(ends)

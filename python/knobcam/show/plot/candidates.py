@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
     from ...fit.diagnose import Candidate, Diagnosis
 
+_ALL = 100.0  # per cent
 _COLUMNS = 2  # of the legend
 _WORSE = 0.3  # of what is shown to the right: how far a bar to the left goes, whose length says nothing
 
@@ -44,6 +45,8 @@ def draw_candidates(axes: Axes, diagnosis: Diagnosis) -> None:
     top = max([gain, *falls, 1.0])
     least = max(min([*falls, 0.0]), -_WORSE * top)
     left = least - 0.16 * top
+    axes.set_xlim(left, 1.35 * top)
+    axes.set_xticks([tick for tick in axes.get_xticks() if left <= tick <= _ALL])  # no error falls by more
     axes.set_xlim(left, 1.35 * top)
     for row, (one, fall) in enumerate(zip(candidates, falls, strict=True)):
         axes.barh(

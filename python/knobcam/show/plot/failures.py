@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from ..words import unit_word
+from ..words import axis_tick, axis_word, unit_word
 from .style import (
     BACKWARD,
     BAND,
@@ -79,7 +79,7 @@ def shares(axes: Axes, comparison: Comparison) -> None:
         says, color = (f"{100.0 * split.share:.0f} %", BLACK) if split.fails else (none, GREY)
         right = 100.0 * float(np.nan_to_num(max(split.share, split.chance)))
         axes.text(right + 1.5, row, says, va="center", color=color)
-    axes.set_yticks(rows, [s.axis for s in splits])
+    axes.set_yticks(rows, [axis_tick(s.axis) for s in splits])
     axes.set_xlim(0.0, 112.0)
     axes.set_xticks([0, 25, 50, 75, 100])
     axes.grid(visible=False, axis="y")
@@ -109,7 +109,7 @@ def _verdict(comparison: Comparison) -> str:
         return f"Chance explains the rest ({times:.2f} × noise)"
     if comparison.worst is None:
         return f"{times:.2f} × noise, and no axis shows where"
-    return f"{times:.2f} × noise, most along {comparison.worst.axis}"
+    return f"{times:.2f} × noise, most along {axis_word(comparison.worst.axis)}"
 
 
 def bin_means(axes: Axes, split: Split, scale: Scale) -> None:
@@ -181,14 +181,15 @@ def head_of(split: Split, scale: Scale) -> str:
     """Return the name of an axis with its unit."""
     if split.axis == "load":
         return f"modelled {torque_word(split.unit)} ({scale.unit})"
-    axis = "distance since reversal" if split.axis == "history" else split.axis
-    return f"{axis} ({unit_word(split.unit)})"
+    return f"{axis_word(split.axis)} ({unit_word(split.unit)})"
 
 
 def _head(axes: Axes, split: Split, scale: Scale, worst: bool) -> None:
     weight = "bold" if worst else "normal"
     axes.set_title(
-        f"{split.axis}: {of_excess(split)}", color=WRONG if split.fails else BLACK, fontweight=weight
+        f"{axis_word(split.axis)}: {of_excess(split)}",
+        color=WRONG if split.fails else BLACK,
+        fontweight=weight,
     )
     axes.set_xlabel(head_of(split, scale))
     if worst:

@@ -52,5 +52,7 @@ def _draw_remaining(figure: Figure, cell: SubplotSpec, learned: LearningResult) 
     shares(figure.add_subplot(rows[0]), learned.after)
     if worst is not None:
         scale = torque_scale(learned.model.torque_unit, float(np.max(np.abs(worst.mean), initial=0.0)))
-        says = f"What is left along {worst.axis}"
+        says = (
+            "What is left after reversals" if worst.axis == "history" else f"What is left along {worst.axis}"
+        )
         draw_residual(figure.add_subplot(rows[1]), worst, scale, says)

@@ -19,14 +19,15 @@ if TYPE_CHECKING:
 
 _COLORS = (BLUE, ORANGE, GREEN, PURPLE, VERMILLION)
 _COLUMNS = 3  # of the legend
+_BAR = 0.15  # inches of a bar with its words
 _USUAL = 2.0  # standard errors: within that nothing happened
 
 
 @styled
 def movements(learned: LearningResult) -> Picture:
     """Movement of each parameter of the first model, in standard errors, for each effect that came in."""
-    rows = len(plotted(learned.ladder))
-    figure = Picture(8.5, 1.8 + 0.36 * rows, title(learned))
+    rows, came = len(plotted(learned.ladder)), len(learned.ladder) - 1
+    figure = Picture(8.5, 1.8 + max(0.36, _BAR * came) * rows, title(learned))
     draw_movements(figure.add_subplot(), learned)
     return figure
 

@@ -100,7 +100,13 @@ class Picture(Figure):
         super().__init__(figsize=(width, height), layout="constrained")
         # Lines that are longer than the picture is wide break between words.
         lines = [
-            fill(line, int(_LETTERS_PER_INCH * width), break_long_words=False) for line in title.split("\n")
+            # A number keeps its per cent.
+            fill(
+                line.replace(" %", "\N{NO-BREAK SPACE}%"),
+                int(_LETTERS_PER_INCH * width),
+                break_long_words=False,
+            )
+            for line in title.split("\n")
         ]
         self.suptitle("\n".join(lines), x=0.01, ha="left")
 

@@ -118,6 +118,10 @@ function named(words4, id) {
 function listed(effects, between3) {
   return effects.flatMap((effect, at) => [at > 0 ? between3 : "", named(titleOf(effect), effect)]);
 }
+function changeOf(added, dropped) {
+  const came = added ? [`+ ${titleOf(added)}`] : [];
+  return [...came, ...dropped.map((one) => `− ${titleOf(one)}`)].join(" ");
+}
 
 // src/numbers.js
 function number(value, digits = 3) {
@@ -188,8 +192,8 @@ function showBranches(place4, state, beside2, deeds) {
     const step = steps[at];
     const done = steps.slice(0, at + 1);
     const own = done.slice(done.findLastIndex(({ anew }) => anew));
-    const changed = own.filter(({ added, dropped }) => added || dropped);
-    const changes = changed.map(({ added, dropped }) => added ? `+ ${titleOf(added)}` : `− ${titleOf(dropped ?? "")}`);
+    const changed = own.filter(({ added, dropped }) => added || dropped.length > 0);
+    const changes = changed.map(({ added, dropped }) => changeOf(added, dropped));
     const words4 = changes.join(" ") || "nothing added";
     const card = make(
       "button",
@@ -698,8 +702,8 @@ function textOf({ severity, said, advice }, about2) {
   const way = advice && adviceOf(advice);
   return `${severity}: ${sentence(said, about2)}${way ? `; ${way}` : ""}`;
 }
-function showFindings(place4, { captures, active, limitations, notes, job }, about2, deeds) {
-  const key2 = JSON.stringify([captures, active, limitations, notes, about2, job === null]);
+function showFindings(place4, { captures, active, limitations, disagreements, notes, job }, about2, deeds) {
+  const key2 = JSON.stringify([captures, active, limitations, disagreements, notes, about2, job === null]);
   if (place4.dataset.shown === key2) return;
   place4.dataset.shown = key2;
   const focused = document.activeElement?.getAttribute("data-finding");
@@ -715,10 +719,11 @@ function showFindings(place4, { captures, active, limitations, notes, job }, abo
   });
   found2.push(...[...every.values()].map((one) => finding(one, all, about2, deeds)));
   const missing = limitations.map((said) => make("li", { class: "soft" }, "Cannot be told: ", ...nodes(said, about2)));
+  const apartFrom = disagreements.map((said) => make("li", { class: "doubt" }, "⚠ The captures disagree: ", ...nodes(said, about2), "."));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
   const open = place4.querySelector("details")?.open ?? false;
   const own = found2.length > FEW2 ? [folded(found2, told, open)] : found2;
-  place4.replaceChildren(...noted, ...missing, ...own);
+  place4.replaceChildren(...noted, ...apartFrom, ...missing, ...own);
   const again = focused && place4.querySelector(`[data-finding="${CSS.escape(focused)}"]`);
   if (again instanceof HTMLElement) again.focus();
 }
@@ -1099,9 +1104,9 @@ var Candidates = class {
     place4.addEventListener("keydown", (event) => this.key(event));
     new ResizeObserver(() => fitFormulas(place4)).observe(place4);
   }
-  /** @param {Pick<State, "candidates" | "node" | "job">} state @param {import("./said.js").About} about */
-  show({ candidates, node, job }, about2) {
-    const shown2 = JSON.stringify([candidates, node, job?.id, about2]);
+  /** @param {Pick<State, "candidates" | "concluded" | "node" | "job">} state @param {import("./said.js").About} about */
+  show({ candidates, concluded, node, job }, about2) {
+    const shown2 = JSON.stringify([candidates, concluded, node, job?.id, about2]);
     if (shown2 === this.shown) return;
     this.shown = shown2;
     this.inside ||= this.place.contains(document.activeElement);
@@ -1117,13 +1122,14 @@ var Candidates = class {
       on: { click: () => this.deeds.ask?.() }
     });
     this.place.replaceChildren(
-      ...candidates.ready ? [] : [make("p", { class: "soft" }, job ? `${job.what} …` : ask2)],
+      ...candidates.ready ? [] : [make("p", { class: "soft" }, job ? `${sentence(job.what, about2)} …` : ask2)],
       ...candidates.ready && this.items.length === 0 ? [make("p", { class: "well", text: "Nothing is left to be weighed." })] : [],
       candidates.ready && could.length === 0 && this.items.length > 0 ? make("p", { class: "soft", text: NOTHING }) : "",
       make("ul", { "aria-label": "candidates", class: "candidates" }, ...this.items.slice(0, could.length)),
       out.length > 0 ? folded2(out, `${out.length} ruled out by values that none can have: ${ruledOut.map(outWords).join(", ")}`) : "",
       others.length > 0 ? folded2(others, `${others.length} more: no better than chance, or too little to matter`) : "",
-      ...remainder(candidates.unexplained, about2)
+      ...concluded.length > 0 ? [] : remainder(candidates.unexplained, about2)
+      // where it stands first already
     );
     fitFormulas(this.place);
     if (this.inside && document.activeElement === document.body) this.place.focus();
@@ -2009,10 +2015,11 @@ function standingWords({ wrong, found: found2, hidden, solved, given_up }) {
 }
 
 // src/job.js
-function showJob(job) {
+var NOTHING2 = { unit: "N m", peak: 0, coordinate: "rotary" };
+function showJob(job, about2) {
   byId("job").hidden = job === null;
   if (!job) return;
-  byId("job-what").textContent = job.what;
+  byId("job-what").textContent = sentence(job.what, about2 ?? NOTHING2);
   const bar2 = (
     /** @type {HTMLProgressElement} */
     byId("job-done")
@@ -2075,7 +2082,7 @@ function showLadder(place4, state) {
   const lines = steps.map(({ added, dropped, rmse, rmse_heldout, noise_floor }, at) => {
     const now = at === here;
     const undone = at > here;
-    const label = added ? `+ ${titleOf(added)}` : dropped ? `− ${titleOf(dropped)}` : at === 0 ? "first model" : "fitted anew";
+    const label = changeOf(added, dropped) || (at === 0 ? "first model" : "fitted anew");
     const bar2 = make("span", { class: "bar" });
     const held = make("span", { class: "held" });
     bar2.style.width = `${100 * rmse / widest}%`;
@@ -2085,7 +2092,7 @@ function showLadder(place4, state) {
     return make(
       "li",
       { class: `ladder-line${now ? " now" : ""}${undone ? " undone" : ""}`, "aria-current": now ? "step" : null },
-      make("span", { class: "label", text: label, title: added ?? dropped ?? label }),
+      make("span", { class: "label", text: label, title: [added, ...dropped].filter(Boolean).join(", ") || label }),
       make("span", { class: "figure", text: shown2(rmse), title: "RMS error" }),
       make("span", { class: "figure soft", text: shown2(rmse_heldout), title: "on blocks that the fit did not see" }),
       track
@@ -2110,7 +2117,7 @@ function sameCaptures(steps, at) {
   return { steps: steps.slice(first, end), at: at - first };
 }
 function broughtAlong({ steps, at }, carried) {
-  const brought = carried.map((one) => ({ ...steps[0], dropped: null, ...one }));
+  const brought = carried.map((one) => ({ ...steps[0], dropped: [], ...one }));
   return brought.length > 1 ? { steps: [...brought, ...steps.slice(1)], at: at + brought.length - 1 } : { steps, at };
 }
 function floorWords(steps, here, shown2) {
@@ -2427,7 +2434,7 @@ var Laws = class {
   }
   /** @param {State} state */
   show(state) {
-    const { candidates, proposed, proposed_said, node, job, rmse, curve, surface, active } = state;
+    const { candidates, proposed, proposed_said, node, job, curve, surface, active } = state;
     if (active.join() !== this.of) this.another(active.join());
     const shown2 = JSON.stringify([candidates.ready, proposed, node, job === null]);
     if (shown2 === this.shown) return;
@@ -2436,7 +2443,7 @@ var Laws = class {
     this.about = { curve, surface, ...aboutOf(state) };
     showHow(this.about);
     this.draw();
-    const nothing = candidates.rows.length === 0 && candidates.unexplained === null;
+    const nothing = candidates.unexplained === null && !candidates.rows.some((row) => row.could_be);
     if (!candidates.ready || node === null || proposed === null && nothing) {
       this.place.replaceChildren();
     } else if (proposed === null) {
@@ -2446,7 +2453,7 @@ var Laws = class {
       });
       this.place.replaceChildren(make("p", {}, ask2));
     } else {
-      const list = proposed.map((law, at) => this.item(law, at + 1, rmse ?? law.rmse));
+      const list = proposed.map((law, at) => this.item(law, at + 1));
       this.place.replaceChildren(
         make("p", { class: "soft small", role: "status" }, ...nodes(proposed_said, this.about)),
         ...list.length > 0 ? [make("ul", { class: "laws", "aria-label": "laws that are proposed" }, ...list)] : []
@@ -2454,8 +2461,8 @@ var Laws = class {
       fitFormulas(this.place);
     }
   }
-  /** @param {Law} row @param {number} number @param {number} rmse what is left without it */
-  item({ label, law, variables, words: words4, doubt, rmse: left, start }, number3, rmse) {
+  /** @param {Law} row @param {number} number */
+  item({ label, law, variables, words: words4, doubt, fall, start }, number3) {
     const of = `of ${variables.map(variableOf).join(", ")}`;
     const edit = make("button", {
       ...{ type: "button", text: "Edit…", "aria-label": `edit law ${number3}`, title: "as a formula of your own" },
@@ -2491,7 +2498,7 @@ var Laws = class {
       { class: "law", on: { pointerenter: look, pointerleave: away, focusin: look, focusout: away } },
       // What is drawn by splines has a name, and no formula that anybody reads.
       make("div", { class: "written", title: `typed as ${law}` }, `${number3}.`, label === law ? lawOf({ latex: "", law }) : make("span", { text: label })),
-      make("span", { class: "figure", text: percent(left / rmse - 1), title: "fall of the RMS error" }),
+      make("span", { class: "figure", text: percent(-fall), title: "fall of the RMS error, beside the model that it was looked for beside" }),
       make("span", { class: "soft", text: [...words4, of].join("; ") }),
       doubt ? make("span", { class: "doubt", text: `⚠ ${doubt}` }) : null,
       form
@@ -5046,7 +5053,8 @@ function showVerdict(element2, { added, concluded, verdict, candidates, titles: 
     const [words4, leads] = [wordsOfPart(part, about2), leadOf(part, place4, candidates, to)];
     return leads ? link({ words: words4, ...leads }) : words4;
   };
-  const first = plainly(candidates, about2, to).map((part) => typeof part === "string" ? part : link(part));
+  const open = concluded.length > 0 ? [] : plainly(candidates, about2, to);
+  const first = open.map((part) => typeof part === "string" ? part : link(part));
   const head2 = beside(added, [...first, ...concluded.map(shown2)]);
   element2.replaceChildren(...head2.length > 0 ? [make("strong", {}, ...head2), " "] : [], ...verdict.map(shown2));
 }
@@ -5088,7 +5096,9 @@ function plainly({ ready, rows }, about2, to) {
     `), which takes ${percent(fall)} off the error. `,
     ...unsettled ? [`But ${unsettled}. `] : [],
     { words: "Add it", title: "take it into the model, and fit it", go: () => to.add(effect) },
-    unsettled ? " to see what is left, not for its values." : ", and see what is left.",
+    unsettled ? " to see what is left, not for its values; or " : ", and see what is left; or ",
+    { words: "find everything", title: "add step by step all that is missing, sets of effects too", go: () => to.every() },
+    " at once.",
     ...equivalent.length > 0 ? tied(equivalent.map(lead), () => to.apart([effect, ...equivalent])) : []
   ];
 }
@@ -5198,7 +5208,7 @@ var App = class {
     this.refresh(0);
   }
   buttons() {
-    for (const verb of ["undo", "redo", "snap"]) {
+    for (const verb of ["undo", "redo", "snap", "search"]) {
       byId(verb).addEventListener("click", () => this.ask(verb, {}, verb));
     }
     byId("cancel").addEventListener("click", async () => {
@@ -5302,6 +5312,7 @@ var App = class {
       effect: (effect) => this.candidates.go(effect),
       add: (effect) => this.ask("add", { effect }, "add"),
       apart: (effects) => this.next.design(effects),
+      every: () => this.ask("search", {}, "search"),
       error: () => shown(byId("ladder")),
       findings: () => shown(byId("findings"))
     });
@@ -5338,6 +5349,7 @@ var App = class {
     enable("redo", branch !== void 0 && branch.at < branch.steps.length - 1);
     enable("snap", state.params.some(({ dragged }) => dragged));
     enable("new-branch", state.node !== null);
+    enable("search", state.node !== null && !state.searched);
   }
   /** Look at a session as it was looked at. @param {import("./types.js").Looked} looked */
   lookAgain({ view, beside: beside2, brush }) {
@@ -5413,12 +5425,12 @@ var App = class {
   /** @param {Job | null} job */
   showJob(job) {
     this.job = job;
-    showJob(job);
+    showJob(job, this.state ? aboutOf(this.state) : null);
   }
   /** @param {Job} job */
   showRecording({ what, done }) {
-    preparing(what);
-    this.live?.phase(what);
+    preparing(what.join(""));
+    this.live?.phase(what.join(""));
     if (done !== null && !this.live?.following) this.live?.follow();
   }
   /** @param {string} words */

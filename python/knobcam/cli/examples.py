@@ -1,0 +1,25 @@
+"""One call of each command that is met first, which stands below its help."""
+
+EXAMPLES = {
+    "import": "knobcam import log.csv -o knob.npz --map 't=ms [ms]' 'theta=deg [deg]' 'tau=mNm [mNm]'",
+    "simulate": "knobcam simulate knob3 --motion sweep -o knob.npz",
+    "fit": "knobcam fit knob.npz -o fitted.toml --plots pictures",
+    "compare": "knobcam compare knob.npz fitted.toml",
+    "diagnose": "knobcam diagnose knob.npz fitted.toml",
+    "add": "knobcam add stribeck knob.npz fitted.toml -o better.toml",
+    "learn": "knobcam learn knob.npz --report knob.html",
+    "next": "knobcam next knob.npz --limits rig.toml -o motion.toml",
+    "batch": "knobcam batch captures -o results",
+    "watch": "knobcam watch incoming -o results --limits limits.toml",
+    "report": "knobcam report results",
+    "convert": "knobcam convert fitted.toml --to c -o knob.c",
+    "render": "knobcam render fitted.toml --plots pictures",
+    "workbench": "knobcam workbench knob.npz",
+    "effects": "knobcam effects stribeck",
+    "capture": "knobcam capture --port /dev/ttyACM0 -o knob.npz",
+    "calibrate": "knobcam calibrate --port /dev/ttyACM0",
+    "export": "knobcam export knob.kcwire -o knob.csv",
+    "demo": "knobcam demo --effect stribeck",
+    "emulate": "knobcam emulate knob3 --effect return_spring",
+    "new-effect": "knobcam new-effect eddy_brake --from fitted.toml",
+}

@@ -1,0 +1,145 @@
+"""What comes into the model of a session: an effect that a person adds, or all that `learn` finds."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ..base.said import OfEffect, said
+from ..errors import InputError
+from ..fit import refit
+from ..fit.fitting import as_logged
+from ..learn import LearningResult
+from ..learn.cut import Deadline
+from ..learn.selection import retested, select
+from ..model.effects import base_effects_shown
+from .learned import learned
+from .tree import Node
+
+if TYPE_CHECKING:
+    from ..fit import Fit
+    from ..learn.selection import Selection
+    from .session import Session
+    from .tell import Tell
+
+
+def add(session: Session, effect: str, tell: Tell) -> None:
+    """Add an effect and fit anew; detents that nobody asked for go where it makes them needless.
+
+    Raises InputError for an effect that the model cannot be given.
+    """
+    branch, node = session.branch, session.node
+    refit.check(effect, node.fit.model)
+    doing = said("adding {effect}", effect=OfEffect(effect))
+    tell(doing)
+    diagnosis = session.diagnosis_of(node.id)
+    weighed = [one for one in diagnosis.candidates if one.effect == effect] if diagnosis else []
+    evidence: dict[str, Any] = {"diagnosis": diagnosis}
+    if weighed:
+        evidence |= {"p_value": weighed[0].p_value, "equivalent": weighed[0].equivalent}
+    # What was weighed has been fitted with the effect already, and only has to converge; where clipped
+    # samples were counted for that, it was a fit of something else.
+    if weighed and diagnosis is not None and diagnosis.fit is node.fit:
+        richer = refit.converged(weighed[0].fit)
+    else:
+        richer = refit.add(node.fit, effect, lambda _: tell(doing))
+    richer, gone = retested(richer, unasked(session, effect, richer))
+    tell(said("putting {effect} in place", effect=OfEffect(effect)), last=True)
+    made = Node(session.new("n"), richer, node.captures, "added", effect, also_dropped=gone, **evidence)
+    session.put([made], branch, node)
+
+
+def unasked(session: Session, effect: str, fit: Fit) -> list[str]:
+    """Return the effects of a fit that came by themselves, as detents do where the data show some.
+
+    None that somebody added, nor what an effect that comes in now builds on.
+    """
+    start = session.start
+    if start.model is not None or start.options.get("detents", "auto") != "auto":
+        return []
+    asked = {effect, fit.model.catalogue()[effect].needs, *(one.effect for one in session.branch.done)}
+    return [
+        one
+        for one in base_effects_shown(fit.model.coordinate)
+        if one in fit.model.effects and one not in asked
+    ]
+
+
+class _Heard(Deadline):
+    """The time of a search that a person sees go on, and can end: how much of each stage is done is told."""
+
+    def __init__(self, tell: Tell) -> None:
+        super().__init__(float("inf"))
+        self._tell, self._doing = tell, ""
+
+    def say(self, doing: str) -> None:
+        """Begin a stage."""
+        self._doing = doing
+        self._tell(doing)
+
+    def __call__(self, done: float | None = None) -> None:
+        """Say how much of the stage is done; what that raises ends the search."""
+        self._tell(self._doing, done or None)
+
+
+def search(session: Session, tell: Tell) -> None:
+    """Find everything that is missing, as `knobcam learn` does, and put its steps in place one by one.
+
+    It begins with the first model, whatever has come in by hand. Raises InputError as `knobcam.learn` does,
+    and where that was done already.
+    """
+    branch, node, start = session.branch, session.node, session.start
+    if node.id in session.searched:
+        raise InputError("everything that is found of these captures is in the model already")
+    heard = _Heard(tell)
+    heard.say("fitting the first model")
+    captures = [session.captures[one].capture for one in node.captures]
+    first = as_logged(captures, start.model, **start.options)
+    automatic = start.model is None and start.options.get("detents", "auto") == "auto"
+    foreign = session.laws_of_others(node) & set(first.model.catalogue())
+    found = select(first, foreign, heard.say, heard, given=start.model is not None, detents=automatic)
+    told = LearningResult(*found)
+    _ = told.params  # computed here, where it is seen that it takes its time
+    tell("putting what was found in place", last=True)
+    made = _nodes(session, found, node)
+    with session.lock:
+        session.searched[made[-1].id if made else node.id] = told
+        for one, step in zip([node, *made], found.ladder[-len(made) :] if made else (), strict=False):
+            if step.diagnosis is not None and step.diagnosis.whole and step.diagnosis.fit is one.fit:
+                session.diagnoses[one.id] = step.diagnosis  # for whoever goes back
+        if made:
+            session.put(made, branch, node)
+        else:
+            session.touched()
+
+
+def _nodes(session: Session, found: Selection, node: Node) -> list[Node]:
+    """Return the steps of a search as those of a session, without the first where it is there already."""
+    rungs = list(enumerate(found.ladder))
+    if not node.onward and node.how == "fitted" and _same(node.fit, found.ladder[0].fit):
+        rungs = rungs[1:]
+    return [
+        Node(
+            session.new("n"),
+            step.fit,
+            node.captures,
+            "fitted" if step.added is None else "added",
+            step.added,
+            p_value=step.p_value,
+            equivalent=step.equivalent,
+            diagnosis=step.diagnosis,
+            also_dropped=step.dropped,
+            rung=rung,
+        )
+        for rung, step in rungs
+    ]
+
+
+def _same(one: Fit, other: Fit) -> bool:
+    """Whether two fits are of the same samples and came to the same model."""
+    counted = [sum(int(signals.core.used) for signals in fit.prepared) for fit in (one, other)]
+    return counted[0] == counted[1] and one.model.text() == other.model.text()
+
+
+def story(session: Session, tell: Tell) -> LearningResult:
+    """Return what was learned where a session is: by a search that ended there, or on the way to it."""
+    return session.searched.get(session.node.id) or learned(session.branch.done, session.weigh(tell))

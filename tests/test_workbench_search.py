@@ -1,0 +1,175 @@
+"""All that is missing found at once at the workbench: what `learn` finds, as steps of the session."""
+
+from __future__ import annotations
+
+import json
+import runpy
+from pathlib import Path
+
+import httpx
+import numpy as np
+import pytest
+import told as told_as
+
+import knobcam as kc
+from knobcam.base import pages
+from knobcam.base.said import OfEffect, Said
+from knobcam.base.strict_json import as_json
+from knobcam.errors import InputError
+from knobcam.workbench import kept, saving, state
+from knobcam.workbench.bench import Bench
+from knobcam.workbench.jobs import Cancelled
+from knobcam.workbench.session import Session
+from knobcam.workbench.tell import quiet
+
+
+@pytest.fixture(scope="module")
+def recording(sprung: kc.Capture, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return sprung.save(tmp_path_factory.mktemp("captures") / "sprung.npz")
+
+
+@pytest.fixture
+def searched(recording: Path) -> Session:
+    session = Session()
+    session.open(str(recording))
+    session.search()
+    return session
+
+
+@pytest.fixture(scope="module")
+def motor() -> kc.Capture:
+    """A motor that turns evenly, whose ripple has several orders: the first of them pass for detents."""
+    rng = np.random.default_rng(5)
+    t = np.arange(0.0, 20.0, 1.0 / 400.0)
+    theta = 2.5 * np.pi * np.sin(2.0 * np.pi * t / 10.0) + 0.02 * np.sin(9.0 * t)
+    omega = np.gradient(theta, t)
+    ripple = 0.02 * np.sin(7.0 * theta) + 0.012 * np.sin(12.0 * theta + 1.0) + 0.009 * np.sin(21.0 * theta)
+    tau = ripple + 0.01 * np.sign(omega) + 0.002 * omega + 0.0006 * rng.standard_normal(len(t))
+    return kc.Capture.from_arrays(t=t, theta=theta, tau=tau)
+
+
+def document(session: Session) -> dict:
+    found: dict = json.loads(as_json(state.document(session)))
+    told_as.check(found, pages.Session)
+    return found
+
+
+def test_what_is_found_at_once_is_what_learn_finds_and_goes_back_step_by_step(
+    searched: Session, story: kc.LearningResult
+) -> None:
+    assert [one.effect for one in searched.branch.steps] == [step.added for step in story.ladder]
+    assert searched.node.fit.model.text() == story.model.text()
+    page = document(searched)
+    assert page["searched"] and page["verdict"][0] != "What could be missing is not weighed yet."
+    assert Said.of(page["concluded"]) == story.headline
+    searched.undo()
+    assert searched.node.fit.model.effects == story.ladder[0].effects
+    assert not document(searched)["searched"]
+    searched.redo()
+    assert Said.of(document(searched)["concluded"]) == story.headline
+
+
+def test_what_came_in_by_hand_is_not_what_a_search_begins_with_and_is_there_to_go_back_to(
+    recording: Path, story: kc.LearningResult
+) -> None:
+    session = Session()
+    session.open(str(recording))
+    session.add("quadratic_drag")
+    session.search()
+    assert [one.effect for one in session.branch.steps] == [None, "quadratic_drag", None, "return_spring"]
+    assert session.node.fit.model.text() == story.model.text()
+    with pytest.raises(InputError, match="in the model already"):
+        session.search()
+
+
+def test_what_a_search_found_is_in_the_script_of_the_session(
+    searched: Session, tmp_path: Path, capsys
+) -> None:
+    script = tmp_path / "session.py"
+    saving.save(searched, "script", script, quiet)
+    assert "kc.learn(" in script.read_text()
+    assert runpy.run_path(str(script))["fit"].model.text() == searched.node.fit.model.text()
+
+
+def test_a_session_goes_on_with_what_a_search_had_found(recording: Path, tmp_path: Path) -> None:
+    first = Bench(kept_in=tmp_path / "sessions")
+    first.session.open(str(recording))
+    first.session.search()
+    before = document(first.session)
+    first.close()
+    second = Bench(kept_in=tmp_path / "sessions")
+    try:
+        second.go_on("000001", quiet)
+        after = document(second.session)
+        assert second.document()["notes"] == []
+        assert after["branches"][0]["steps"][-1]["added"] == before["branches"][0]["steps"][-1]["added"]
+        assert after["rmse"] == pytest.approx(before["rmse"], rel=kept._ALIKE)
+    finally:
+        second.close()
+
+
+def test_a_search_says_in_names_what_it_does_and_how_much_and_a_stop_changes_nothing(recording: Path) -> None:
+    session = Session()
+    session.open(str(recording))
+    before, said, shares = document(session), [], []
+
+    def until_something_is_added(what: str, done: float | None = None, *, last: bool = False) -> None:
+        said.append(what)
+        shares.append(done)
+        if what.startswith("adding"):
+            raise Cancelled
+
+    with pytest.raises(Cancelled):
+        session.search(until_something_is_added)
+    assert document(session) == before
+    assert {OfEffect("inertia"), OfEffect("return_spring")} <= {
+        one for what in said for one in Said(what).parts
+    }
+    assert sum(done is not None for done in shares) >= 3
+
+
+def test_the_page_asks_for_a_search_and_is_refused_another_one(client: httpx.Client, recording: Path) -> None:
+    assert client.post("/api/open", json={"path": str(recording)}).status_code == 200
+    assert client.post("/api/search").status_code == 200
+    steps = client.get("/api/state").json()["branches"][0]["steps"]
+    assert [one["added"] for one in steps] == [None, "return_spring"]
+    again = client.post("/api/search")
+    assert again.status_code == 400 and "in the model already" in again.json()["error"]
+
+
+def test_detents_that_nobody_asked_for_go_with_what_makes_them_needless(motor: kc.Capture) -> None:
+    session = Session()
+    session.take(motor, "motor")
+    assert "detent" in session.node.fit.model.effects
+    session.add("cogging")
+    assert "detent" not in session.node.fit.model.effects
+    assert session.node.fit.rmse < 1.1 * session.node.fit.noise_floor
+    (step,) = document(session)["branches"][0]["steps"][1:]
+    assert (step["added"], step["dropped"]) == ("cogging", ["detent"])
+    assert "fit.add('cogging').drop('detent')" in _script(session)
+
+
+def test_detents_that_somebody_added_stay(motor: kc.Capture) -> None:
+    session = Session()
+    session.take(motor, "motor")
+    session.drop("detent")
+    session.add("detent")
+    session.add("cogging")
+    assert "detent" in session.node.fit.model.effects
+
+
+def test_captures_that_disagree_are_said_by_names_with_units_once_they_are_weighed() -> None:
+    knob = kc.Model.load("knob4")
+    changed = knob.with_value("viscous.pos", 4.0 * knob.params["viscous.pos"].value)
+    session = Session()
+    for seed, one in enumerate([knob, changed]):
+        session.take(kc.simulate(one, "sweep", seed=seed, duration_s=3.0, rate_hz=1000.0), f"day {seed}")
+    assert document(session)["disagreements"] == []
+    session.weigh()
+    first = document(session)["disagreements"][0]
+    assert {"param": "viscous.pos"} in first
+    assert [part["unit"] for part in first if isinstance(part, dict) and "unit" in part] == ["N m s/rad"] * 2
+
+
+def _script(session: Session) -> str:
+    return saving.script(session.branch.done, session.captures, session.start)

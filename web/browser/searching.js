@@ -1,0 +1,53 @@
+/**
+ * All that is missing, found at once: `node searching.js CHROMIUM ADDRESS FOLDER`.
+ *
+ * The page at ADDRESS has a capture of a knob that lacks effects. What the ladder said before, with what was found and
+ * after going back is printed as JSON, with what the headline said.
+ */
+
+import assert from "node:assert/strict";
+import { join } from "node:path";
+
+import { accessible } from "./axe.js";
+import { done, opened, painted, stateOf } from "./session.js";
+
+const [chrome, address, folder] = process.argv.slice(2);
+const { browser, page, complaints } = await opened(chrome, address);
+page.setDefaultTimeout(120_000);
+await painted(page, "first picture");
+const ladder = () => page.locator("#ladder .label").allTextContents();
+const find = page.getByRole("button", { name: "Find everything", exact: true });
+
+// Given up it changes nothing, and can be begun again.
+const before = await ladder();
+await find.click();
+await page.locator("#job-what", { hasText: /^(fitting|weighing|adding)/ }).waitFor();
+assert.doesNotMatch(await page.locator("#job-what").textContent(), /_/, "no ids");
+await page.getByRole("button", { name: "Cancel" }).click();
+await page.locator("#said", { hasText: "cancelled; nothing was changed" }).waitFor();
+assert.deepEqual(await ladder(), before);
+
+await page.locator("#verdict .leads", { hasText: "find everything" }).waitFor();
+await done(page, "search", () => page.locator("#verdict .leads", { hasText: "find everything" }).click());
+await page.waitForFunction(() => globalThis.knobcam.app.state.searched && globalThis.knobcam.app.state.candidates.ready);
+const found = await ladder();
+const said = await page.locator("#verdict strong").textContent();
+assert.ok(await find.isDisabled(), "there is no more to be found");
+await page.locator("h1").hover();
+await page.screenshot({ path: join(folder, "30-found-everything.png") });
+await accessible(page, "everything found");
+await done(page, "undo", () => page.getByRole("button", { name: "Undo" }).click());
+await page.waitForFunction((count) => document.querySelectorAll("#ladder .label").length === count, found.length);
+const { branches } = await stateOf(page);
+const back = branches[0].at;
+
+// What is hidden in a challenge is not told by it.
+await page.getByRole("button", { name: "New capture…" }).click();
+await page.locator("#new-form [name=hides]").selectOption("easy");
+await page.locator("#new-form button[type=submit]").click();
+await page.locator("#hides:visible").waitFor();
+await page.waitForFunction(() => document.body.classList.contains("sealed"));
+const sealed = await find.isHidden();
+assert.deepEqual(complaints.filter((one) => !/400|cancelled/.test(one)), []);
+await browser.close();
+console.log(JSON.stringify({ before, found, said, back, sealed }));
