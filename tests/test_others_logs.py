@@ -190,3 +190,27 @@ def test_a_torque_that_returns_once_a_turn_is_gravity_and_no_detent() -> None:
     twice = 3.3 * np.sin(2.0 * theta) + 0.02 * alpha + 0.1 * np.sign(omega) + 4e-3 * normal(2)
     two = kc.learn(capture(theta, twice))
     assert two.fit.params["detent.P"].value == pytest.approx(0.5, rel=0.01)
+
+
+@pytest.mark.parametrize("keeps", [0.0, 0.75])
+def test_beside_friction_that_gives_power_back_nothing_is_named_however_small_the_way(keeps: float) -> None:
+    """An exoskeleton that pushes its wearer: "torque_lag was missing", of 0.018 rad, or nothing at all."""
+    theta, omega, alpha = swung(9e-3, 0.9, 2.3, 3.7)
+    tau = signal.lfilter([1.0 - keeps], [1.0, -keeps], 0.15 * alpha - 1.5 * np.sign(omega))  # 15 ms later
+    story = kc.learn(kc.Capture.from_arrays(t=T, theta=theta + 1e-7 * normal(1), tau=tau + 0.25 * normal(2)))
+    assert (story.verdict, story.found) == ("unexplained", ())
+    assert "friction gives power back, which no knob does" in story.headline
+    bent = [one for one in story.fit.warnings if one.startswith("coulomb.pos is negative")]
+    assert not any("falls with speed" in one for one in bent)
+
+
+@pytest.mark.parametrize(("hertz", "off"), [((0.23, 0.41), True), ((0.023, 0.041), False)])
+def test_waves_that_the_filter_takes_off_are_no_names(hertz: tuple[float, ...], off: bool) -> None:
+    """`detent_harmonics` of a wrist at 125 Hz came at 80 Hz, its filter ends at 12.5 Hz."""
+    theta, omega, alpha = swung(1.6, *hertz)
+    waves = 0.2 * np.sin(20.0 * theta) + 0.3 * np.sin(100.0 * theta + 1.0)
+    tau = 0.02 * alpha + 0.3 * np.sign(omega) + 0.05 * omega + waves + 0.02 * normal(2)
+    model = kc.Model.of(["inertia", "coulomb", "viscous", "detent"], detent__P=0.05)
+    fit = kc.fit(capture(theta, tau), model, torque_edge_hz=12.5)
+    (shape,) = fit.diagnose(only=["detent_harmonics"]).candidates
+    assert any("torque filter takes off" in why for why in shape.implausible) is off

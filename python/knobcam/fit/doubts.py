@@ -73,13 +73,8 @@ def doubts(fit: Fit) -> tuple[str, ...]:
     if fit.log_fault == REVERSED:
         found = [REVERSED]
     else:
-        why = (
-            "over these speeds it stands for something else, as friction that falls with speed"
-            if at_floor(fit)
-            else "an effect is probably missing"
-        )
         words = "{name} is negative, which no real knob has: {why}"
-        found = [said(words, name=OfParam(name), why=why) for name in negative]
+        found = [said(words, name=OfParam(name), why=_in_place_of(fit, name)) for name in negative]
     alike = [signals for signals in fit.prepared if _moves_like_a_spring(signals)]
     if alike and len(alike) == len(fit.prepared) and fit.model.core.at_rest()[0] != 0.0:
         found.append(
@@ -92,6 +87,19 @@ def doubts(fit: Fit) -> tuple[str, ...]:
     if astray(fit):
         found.append("detent.P came out at less than one detent a turn, which is none: start without detents")
     return (*found, *_at_bounds(fit), *_back_emf(fit))
+
+
+def _in_place_of(fit: Fit, name: str) -> str:
+    """Return why a parameter of the base model came out negative."""
+    if not at_floor(fit):
+        return "an effect is probably missing"
+    if fit.params[name].unit == _per_speed(fit):
+        what = "friction that falls with speed does"
+    elif fit.model.catalogue()[name.split(".", 1)[0]].friction:
+        what = "an offset does, or drag that grows faster than the speed"
+    else:
+        what = "the pull of a spring or a detent does"
+    return f"over this motion it stands for something else, as {what}"
 
 
 def astray(fit: Fit) -> bool:

@@ -47,6 +47,7 @@ def implausible(candidate: Candidate, before: Fit) -> tuple[Said, ...]:
         *_below_zero(candidate, before),
         *_pushed_out(candidate, before),
         *_unseen(fit, before),
+        *_filtered_off(candidate.effect, fit),
         *(said(one, **{effect: OfEffect(effect) for effect in fit.model.catalogue()}) for one in own),
     )
 
@@ -87,13 +88,19 @@ def impossible(fit: Fit) -> str | None:
     if (name := _taken_away(told, fit)) is not None:
         return f"{name} makes many times the torque that was measured, which others take away again"
     negative = [name for name, e in told.items() if e.determined and e.value + RULE.surely * e.se < 0.0]
-    if not negative:
-        return None
     rubs = _friction(fit.model.coordinate)
     # What makes less torque than is left is bent by that: a motion that hardly speeds up says nothing of it.
     stores = [name for name in negative if name.split(".")[0] not in rubs and torque_of(fit, name) > fit.rmse]
     if stores:
         return f"{' and '.join(stores)} came out negative, which no knob has"
+    return friction_drives(fit)
+
+
+def friction_drives(fit: Fit) -> str | None:
+    """Return that friction of the base model gives power back over the whole motion, beyond doubt."""
+    told = {name: e for name, e in fit.params.items() if name in _never_negative(fit.model.coordinate)}
+    if not any(e.determined and e.value + RULE.surely * e.se < 0.0 for e in told.values()):
+        return None
     power, error = _friction_power(fit)
     return "friction gives power back, which no knob does" if power + RULE.surely * error < 0.0 else None
 
@@ -206,6 +213,30 @@ def _unseen(fit: Fit, before: Fit) -> list[Said]:
     won, lost = 1.0 - fit.rmse / before.rmse, fit.rmse_heldout / before.rmse_heldout - 1.0
     adds = said("on blocks that the fit did not see it adds {lost}", lost=number(100.0 * lost, "%", ".1f"))
     return [adds] if lost > max(won, 0.0) else []
+
+
+def _filtered_off(effect: str, fit: Fit) -> list[Said]:
+    """Return that the filter takes off most of the torque that an effect makes as the position changes.
+
+    Its waves come faster than the filter lets pass wherever the motion is not slow; of what it says of them
+    there, which is most of it, nobody has seen anything.
+    """
+    row = fit.model.catalogue()[effect]
+    if row.place != "load" or row.over not in ("position", "several"):
+        return []
+    bare = fit.model.core.only([one for one in fit.model.effects if one != effect])
+    passed, made = 0.0, 0.0
+    for one in fit.prepared:
+        seen, whole = (
+            fit.model.core.torque(one.core, filtered) - bare.torque(one.core, filtered)
+            for filtered in (True, False)
+        )
+        passed += float(np.nansum(np.square(seen[one.used])))
+        made += float(np.nansum(np.square(whole[one.used])))
+    if passed >= (1.0 - RULE.mainly) * made:
+        return []
+    share = number(100.0 * (1.0 - passed / made), "%", ".0f")
+    return [said("the torque filter takes off {share} of what it would make, by its squares", share=share)]
 
 
 def _out_of_range(effect: str, fit: Fit) -> list[Said]:
