@@ -60,7 +60,7 @@ class Mat4(NamedTuple):
 
 
 def mat4(head: bytes) -> Mat4 | None:
-    """Return how a matrix of MATLAB version 4 begins, five whole numbers and its name; None where none does."""
+    """Return how a matrix of MATLAB version 4 begins, five numbers and its name; None where none does."""
     if len(head) < _MAT4.size:
         return None
     for machine, order in enumerate(_MAT4_ORDERS):

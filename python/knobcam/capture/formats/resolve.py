@@ -13,7 +13,7 @@ from ...errors import InputError
 from ..finding import Finding
 from .columnmap import TARGETS, ColumnMap, Entry, parse_map
 from .expression import evaluate
-from .header import parts_in, read_label
+from .header import bracketed, parts_in, read_label, without_brackets
 from .merged import at_one_time
 from .recognise import PLACEHOLDER, ask, by_content, recognise
 from .table import Table
@@ -30,8 +30,6 @@ CONTRACT: dict[Coordinate, dict[str, str]] = {
     "linear": {"t": "t_s", "theta": "theta_m", "omega": "omega_m_s", "alpha": "alpha_m_s2", "tau": "tau_N"},
 }
 """Column names that are understood without a map, by coordinate and column of a capture."""
-_IN_BRACKETS = re.compile(r"\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))\s*$")
-"""The unit at the end of a column's name."""
 _WORDS = re.compile(r"[A-Za-z_][\w.]*(\s+[\w.]+)+")
 """What is no expression, and can only have been meant as a name."""
 
@@ -101,7 +99,7 @@ def resolve(table: Table, column_map: ColumnMap | None, coordinate: Coordinate |
 def _without_unit(table: Table, entry: Entry) -> Entry:
     """Return an entry by the whole name of the column that it names without its unit, if it is one."""
     name = entry.expression.strip("`")
-    same = [column for column in table.columns if _IN_BRACKETS.sub("", column) == name]
+    same = [column for column in table.columns if without_brackets(column) == name]
     if len(same) == 1:
         return Entry(f"`{same[0]}`", entry.unit)
     if _WORDS.fullmatch(name):
@@ -169,8 +167,7 @@ def _unit_of(table: Table, column: str) -> str | None:
 
     Else that which the file states beside the name.
     """
-    behind = _IN_BRACKETS.search(column)
-    said = read_label(column).unit or (behind and (behind[1] or behind[2]))
+    said = read_label(column).unit or bracketed(column)
     return said or table.units.get(column)
 
 
