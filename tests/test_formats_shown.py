@@ -84,3 +84,20 @@ def test_parameters_beside_a_log_are_none_of_its_columns(tmp_path: Path) -> None
     capture = load(path)
     np.testing.assert_allclose(capture.theta, THETA)
     assert capture.samples == len(T)
+
+
+def test_a_map_of_one_column_leaves_the_others_to_their_names(tmp_path: Path) -> None:
+    """Whoever knows that an effort is a current had to say what an angle is, of a log that was understood."""
+    path = csv(tmp_path / "run.csv", "time,position,velocity,effort", T, THETA, OMEGA, TAU)
+    capture = load(path, map="tau=effort [A]")
+    assert capture.torque_unit == "A" and capture.omega is not None
+    (note,) = [one for one in capture.findings if one.kind == "columns"]
+    assert "t = time, theta = position, omega = velocity, by their names beside the map" in note.message
+    own = csv(tmp_path / "own.csv", "t_s,theta_rad,tau_Nm", T, THETA, TAU)
+    np.testing.assert_allclose(load(own, map="tau=-tau_Nm").tau, -TAU)
+    unnamed = csv(tmp_path / "unnamed.csv", "zeit,qm,u", T, THETA, TAU)
+    with pytest.raises(InputError, match=r"map: theta is missing; .*--map .t=zeit.*tau=u \[N m\]"):
+        load(unnamed, map="tau=u [N m]")
+    two = csv(tmp_path / "two.csv", "time,position,angle,effort", T, THETA, THETA, TAU)
+    with pytest.raises(InputError, match=r"map: theta is missing; .*theta=position, tau=effort \[A\]"):
+        load(two, map="tau=effort [A]")

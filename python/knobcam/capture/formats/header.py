@@ -70,7 +70,7 @@ _UNIT_OF = {
 _QUANTITY = {unit: quantity for quantity, units in _UNIT_OF.items() for unit in units}
 
 
-_SHORT = {("theta", "in"): "inch", ("t", "min"): "min", ("t", "h"): "h"}
+_SHORT: dict[tuple[str | None, str], str] = {("theta", "in"): "inch", ("t", "min"): "min", ("t", "h"): "h"}
 """What in brackets is the unit of one quantity alone: a torque (in) comes in, a speed (min) is the least."""
 
 _PARTS = {"%": 100, "percent": 100, "pct": 100, "‰": 1000, "permille": 1000, "promille": 1000}

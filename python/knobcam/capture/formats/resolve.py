@@ -11,11 +11,11 @@ from ...base.arrays import FloatArray
 from ...base.said import Advice, said
 from ...errors import InputError
 from ..finding import Finding
-from .columnmap import TARGETS, ColumnMap, Entry, parse_map
+from .columnmap import TARGETS, ColumnMap, Entry, lacking, parse_map
 from .expression import evaluate
 from .header import bracketed, parts_in, read_label, without_brackets
 from .merged import at_one_time
-from .recognise import PLACEHOLDER, ask, by_content, recognise
+from .recognise import PLACEHOLDER, Unclear, ask, by_content, recognise
 from .table import Table
 from .units import GIVEN, SI, Coordinate, fits, is_unit, to_si
 
@@ -60,7 +60,7 @@ def resolve(table: Table, column_map: ColumnMap | None, coordinate: Coordinate |
         raise InputError(f"coordinate={coordinate!r} is unknown; choose rotary or linear")
     notes: tuple[Finding, ...] = ()
     if column_map is not None:
-        entries, notes = _by_map(table, parse_map(column_map), coordinate)
+        entries, notes = _completed(table, parse_map(column_map), coordinate)
     elif (found := _by_contract(table, coordinate)) is not None:
         entries, coordinate = found
     else:
@@ -105,6 +105,35 @@ def _without_unit(table: Table, entry: Entry) -> Entry:
     if _WORDS.fullmatch(name):
         table.column(name)  # says which there are
     return entry
+
+
+def _completed(
+    table: Table, given: dict[str, Entry], coordinate: Coordinate | None
+) -> tuple[dict[str, Entry], tuple[Finding, ...]]:
+    """Return the entries of a map, and where it says of one column alone what it is, the others by name.
+
+    Who knows that an effort is a current says so, and no more.
+    """
+    if (target := lacking(given)) is None:
+        return _by_map(table, given, coordinate)
+    entries, notes = _by_map(table, given, coordinate)
+    rest: dict[str, Entry] = {}
+    if (found := _by_contract(table, coordinate)) is not None:
+        rest = found[0]
+    else:
+        try:
+            recognised = recognise(table, coordinate)
+            rest = recognised.entries if recognised else by_content(table)
+        except Unclear as unclear:
+            raise ask(table, f"map: {target} is missing", unclear.entries | entries) from None
+        if recognised is None or target not in rest:
+            raise ask(table, f"map: {target} is missing", rest | entries)
+    added = {name: one for name, one in rest.items() if name not in entries}
+    taken = ", ".join(f"{name} = {one.column}" for name, one in added.items())
+    words = said("columns: {taken}, by their names beside the map", taken=taken)
+    advice = Advice("a map says otherwise", "columns")
+    note = Finding("columns", "theta", len(added), (), words, "note", advice)
+    return rest | entries, (*notes, note)
 
 
 def _by_map(
