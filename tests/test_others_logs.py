@@ -214,3 +214,38 @@ def test_waves_that_the_filter_takes_off_are_no_names(hertz: tuple[float, ...], 
     fit = kc.fit(capture(theta, tau), model, torque_edge_hz=12.5)
     (shape,) = fit.diagnose(only=["detent_harmonics"]).candidates
     assert any("torque filter takes off" in why for why in shape.implausible) is off
+
+
+def third_repeats(theta: Column, omega: Column, tau: Column, times: float = 1.0) -> kc.Capture:
+    """A log in which every third row is the one before it once more, as a bus that was late left it."""
+    read = np.arange(len(T)) - (np.arange(len(T)) % 3 == 2)
+    noisy = omega * times + 1e-4 * normal(4)
+    return kc.Capture.from_arrays(
+        t=T, theta=(theta + 1e-5 * normal(1))[read], omega=noisy[read], tau=tau[read]
+    )
+
+
+def test_units_are_held_against_each_other_where_every_third_row_is_none() -> None:
+    """No stretch of such a log is whole: a velocity in any unit passed, and a rate that was guessed."""
+    theta, omega, alpha = swung(1.6, 0.23, 0.41)
+    tau = 0.02 * alpha + 0.3 * np.sign(omega) + 0.02 * normal(2)
+    assert not [one for one in third_repeats(theta, omega, tau).findings if one.kind == "unit"]
+    (wrong,) = [one for one in third_repeats(theta, omega, tau, 0.5).findings if one.kind == "unit"]
+    assert "omega: 0.5" in wrong.message and "the rate" in wrong.message
+
+
+@pytest.mark.parametrize("every", [2, 3])
+def test_a_velocity_that_was_computed_row_by_row_of_a_held_angle_is_none(every: int) -> None:
+    """A controller's: nothing between the readings of the angle, and two or three times as much with each."""
+    theta, omega, alpha = swung(1.6, 0.23, 0.41)
+    tau = 0.02 * alpha + 0.3 * np.sign(omega) + 0.02 * normal(2)
+    held = np.repeat((theta + 1e-4 * normal(1))[::every], every)[: len(T)]
+    steps = np.diff(held, prepend=held[0]) * RATE_HZ
+    found = kc.Capture.from_arrays(t=T, theta=held, omega=steps, tau=tau)
+    (said,) = [one for one in found.findings if (one.kind, one.column) == ("held", "omega")]
+    assert found.omega is None and "computed row by row" in said.message
+    assert not [one for one in found.findings if one.kind == "unit"]
+    # Whoever rests has no velocity either, and that is one.
+    rests = np.where((T % 10.0 < 5.0), theta, theta[np.searchsorted(T, T - T % 5.0)])
+    still = np.where(np.diff(rests, prepend=rests[0]) == 0.0, 0.0, omega)
+    assert kc.Capture.from_arrays(t=T, theta=rests, omega=still, tau=tau).omega is not None
