@@ -249,3 +249,15 @@ def test_a_velocity_that_was_computed_row_by_row_of_a_held_angle_is_none(every: 
     rests = np.where((T % 10.0 < 5.0), theta, theta[np.searchsorted(T, T - T % 5.0)])
     still = np.where(np.diff(rests, prepend=rests[0]) == 0.0, 0.0, omega)
     assert kc.Capture.from_arrays(t=T, theta=rests, omega=still, tau=tau).omega is not None
+
+
+def test_a_spring_whose_rest_is_far_is_not_ruled_out_for_its_offset() -> None:
+    """A spring over 0.26 rad: "unbalance was missing" alone, as a spring bent the friction of one direction.
+
+    The pull at the zero of the angle is an offset, and that is what the two directions differ in.
+    """
+    theta, omega, alpha = swung(0.13, 0.11, 0.35)
+    tau = 2.0 * theta + 0.002 * alpha + 0.01 * np.sign(omega) + 0.01 * normal(2)
+    story = kc.learn(capture(theta - 0.8, tau))
+    (step,) = story.ladder[1:]
+    assert {"return_spring", "unbalance"} <= {step.added, *step.equivalent}, story.headline

@@ -12,7 +12,7 @@ from .. import _core
 from ..base.said import OfParam, said
 from ..capture.formats.units import VOLTAGES
 from ..model.effects import base_effects
-from .plausible import REVERSED, torque_of
+from .plausible import REVERSED, per_speed, torque_of
 from .uncounted import uncounted
 
 if TYPE_CHECKING:
@@ -93,7 +93,7 @@ def _in_place_of(fit: Fit, name: str) -> str:
     """Return why a parameter of the base model came out negative."""
     if not at_floor(fit):
         return "an effect is probably missing"
-    if fit.params[name].unit == _per_speed(fit):
+    if fit.params[name].unit == per_speed(fit):
         what = "friction that falls with speed does"
     elif fit.model.catalogue()[name.split(".", 1)[0]].friction:
         what = "an offset does, or drag that grows faster than the speed"
@@ -119,7 +119,7 @@ def log_in_doubt(fit: Fit) -> str | None:
     What makes less torque than is left is bent by that, whatever it is; of one that has a value for each
     direction an offset may take one of them below zero, and friction that falls with the speed a viscous one.
     """
-    own = {name: e for name, e in _of_base(fit).items() if e.unit != _per_speed(fit)}
+    own = {name: e for name, e in _of_base(fit).items() if e.unit != per_speed(fit)}
 
     def in_common(name: str) -> float:
         return sum(e.value for other, e in own.items() if other.split(".")[0] == name.split(".")[0])
@@ -135,10 +135,6 @@ def log_in_doubt(fit: Fit) -> str | None:
     )
 
 
-def _per_speed(fit: Fit) -> str:
-    return f"{fit.torque_unit} s/{'rad' if fit.model.coordinate == 'rotary' else 'm'}"
-
-
 def _of_base(fit: Fit) -> dict[str, Estimate]:
     base = base_effects(fit.model.coordinate)
     return {name: e for name, e in fit.params.items() if name.split(".", 1)[0] in base}
@@ -147,7 +143,7 @@ def _of_base(fit: Fit) -> dict[str, Estimate]:
 def _back_emf(fit: Fit) -> list[str]:
     """What is said of friction in proportion to the speed where the torque is what drives the current."""
     own = _of_base(fit)
-    names = [name for name, e in own.items() if e.unit == _per_speed(fit)]
+    names = [name for name, e in own.items() if e.unit == per_speed(fit)]
     if fit.torque_unit not in VOLTAGES or not names or fit.constants:
         return []
     what = f"hold the motor's back-EMF beside its friction, unless the {fit.torque_unit} command a current"

@@ -125,13 +125,22 @@ def _taken_away(told: Mapping[str, Estimate], fit: Fit) -> str | None:
 
 def _told_in_common(name: str, told: Mapping[str, Estimate], fit: Fit) -> bool:
     """Whether the mean of the parameters of an effect is known, though one of them is not."""
+    known = _in_common(name, told, fit)
+    return known is not None and abs(known[0]) >= RULE.sure * known[1]
+
+
+def _in_common(name: str, told: Mapping[str, Estimate], fit: Fit) -> tuple[float, float] | None:
+    """Return the mean of the parameters of an effect, of which a name is one, and its standard error.
+
+    None where one of them is not determined.
+    """
     names = [other for other in told if other.split(".")[0] == name.split(".")[0]]
     if not all(told[other].determined for other in names):
-        return False
+        return None
     se = np.array([told[other].se for other in names])
     joint = np.array([[fit.correlation[a][b] for b in names] for a in names])
-    mean = np.mean([told[other].value for other in names])
-    return bool(abs(mean) >= RULE.sure * np.sqrt(max(se @ joint @ se, 0.0)) / len(names))
+    mean = float(np.mean([told[other].value for other in names]))
+    return mean, float(np.sqrt(max(se @ joint @ se, 0.0))) / len(names)
 
 
 def _friction(coordinate: str) -> list[str]:
@@ -274,13 +283,17 @@ def _pushed_out(candidate: Candidate, before: Fit) -> list[Said]:
 def _below_zero(candidate: Candidate, before: Fit) -> list[Said]:
     """Return what it bends below zero that was not before."""
     found = []
-    for name in _never_negative(candidate.fit.model.coordinate):
-        now, then = candidate.fit.params.get(name), before.params.get(name)
-        if now is None or then is None or not (now.determined and then.determined):
+    never = _never_negative(candidate.fit.model.coordinate)
+    told = {name: e for name, e in candidate.fit.params.items() if name in never}
+    for name in told:
+        now, then = told[name], before.params.get(name)
+        if then is None or not (now.determined and then.determined):
             continue
         bent = now.value + RULE.sure * now.se < min(0.0, then.value - RULE.sure * then.se)
-        # What makes less torque than remains unexplained is bent by that.
-        if bent and torque_of(candidate.fit, name) > candidate.rmse:
+        common = None if now.unit == per_speed(before) else _in_common(name, told, candidate.fit)
+        offset = common is not None and common[0] + RULE.sure * common[1] >= 0.0
+        # What makes less torque than remains unexplained is bent by that, one direction alone by an offset.
+        if bent and not offset and torque_of(candidate.fit, name) > candidate.rmse:
             what = f"{now.value:.3g}"
             found.append(
                 said("beside it {param} = {what}, which no knob has", param=OfParam(name), what=what)
@@ -297,6 +310,11 @@ def _once_a_turn(effect: str, fit: Fit) -> list[Said]:
     if times > _ONCE:
         return []
     return [said(f"it returns {times:.2g} times a turn, as an unbalance does and no detents do")]
+
+
+def per_speed(fit: Fit) -> str:
+    """Return the unit of friction in proportion to the speed."""
+    return f"{fit.torque_unit} s/{'rad' if fit.model.coordinate == 'rotary' else 'm'}"
 
 
 def torque_of(fit: Fit, name: str) -> float:
