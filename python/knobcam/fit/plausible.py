@@ -290,7 +290,7 @@ def _below_zero(candidate: Candidate, before: Fit) -> list[Said]:
         if then is None or not (now.determined and then.determined):
             continue
         bent = now.value + RULE.sure * now.se < min(0.0, then.value - RULE.sure * then.se)
-        common = None if now.unit == per_speed(before) else _in_common(name, told, candidate.fit)
+        common = None if now.unit == per_speed(candidate.fit) else _in_common(name, told, candidate.fit)
         offset = common is not None and common[0] + RULE.sure * common[1] >= 0.0
         # What makes less torque than remains unexplained is bent by that, one direction alone by an offset.
         if bent and not offset and torque_of(candidate.fit, name) > candidate.rmse:
