@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from pathlib import Path
 
 import numpy as np
@@ -84,6 +85,35 @@ def test_parameters_beside_a_log_are_none_of_its_columns(tmp_path: Path) -> None
     capture = load(path)
     np.testing.assert_allclose(capture.theta, THETA)
     assert capture.samples == len(T)
+
+
+def element(kind: int, data: bytes) -> bytes:
+    return struct.pack("<II", kind, len(data)) + data + bytes(-len(data) % 8)
+
+
+def test_an_object_of_matlab_says_what_it_is_and_how_its_numbers_are_saved(tmp_path: Path) -> None:
+    """Of what `sim` returns it was said that the file has c0 and (unnamed), and theta=c0/COUNTS was shown."""
+    flags, size = element(6, struct.pack("<II", 17, 0)), element(5, struct.pack("<ii", 6, 1))
+    words = b"".join(element(1, word) for word in (b"out", b"MCOS", b"Simulink.SimulationOutput"))
+    inside = element(
+        14, element(6, struct.pack("<II", 13, 0)) + size + element(1, b"") + element(6, bytes(24))
+    )
+    plain = element(6, struct.pack("<II", 9, 0)) + element(5, struct.pack("<ii", 1, 64)) + element(1, b"")
+    own = plain + element(2, bytes(64))
+    head = b"MATLAB 5.0 MAT-file".ljust(124) + struct.pack("<H", 0x0100) + b"IM"
+    path = tmp_path / "run.mat"
+    path.write_bytes(head + element(14, flags + words + inside) + element(14, own))
+    with pytest.raises(InputError, match=r"out holds an object of Simulink.SimulationOutput.*t = out.tout"):
+        load(path)
+
+
+def test_counts_of_one_of_several_motors_are_shown_as_counts(tmp_path: Path) -> None:
+    """A bus of servos: `pos (1)` was shown as rad, and `speed (1)`, whose first bit is its sign, as rad/s."""
+    counts = np.round(2000.0 + 300.0 * THETA)
+    path = tmp_path / "run.csv"
+    header = "timestamp,pos (1),speed (1),current (1),pos (2),speed (2),current (2)"
+    known = shown(csv(path, header, T, counts, np.round(OMEGA), TAU, counts, np.round(OMEGA), TAU))
+    assert "theta=`pos (1)`/COUNTS [turn]" in known and "omega" not in known
 
 
 def test_a_map_of_one_column_leaves_the_others_to_their_names(tmp_path: Path) -> None:

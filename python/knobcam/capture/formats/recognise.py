@@ -21,12 +21,13 @@ from .units import COUNTS, GIVEN, SI, Coordinate, fits, to_si
 _UNIT_ALONE = {"current": "A", "voltage": "V", "duty": "duty"}
 """What may stand for a torque where no column is one, and its unit where none is said."""
 
+_DERIVED = ("omega", "alpha")
 _NEEDED = {"theta": "an angle", "tau": "a torque"}
 _UNNAMED = "no column"
 _FAR = 2000.0  # of an angle: what runs further is not in rad
 _SLOWEST_S = 0.5  # between two samples of a log of motion: longer is another unit
 _SAME = 0.05  # of how far a position goes, by which what was asked differs from what was done
-_DERIVED = 0.8  # correlation with how a position changes, of its velocity: read at other times it had 0.87
+_VELOCITY = 0.8  # correlation with how a position changes, of its velocity: read at other times it had 0.87
 _COMPARED = 20  # columns, each with each
 _MOST_NAMES = 1000  # of columns: what has more is no log
 _FEW = 100  # times as many rows as an array has, from which on that holds parameters beside a log
@@ -97,6 +98,9 @@ def recognise(table: Table, coordinate: Coordinate | None) -> Recognised | None:
     doubts |= _clock(table, entries)
     if len(lacking := [one for one in _NEEDED if one not in entries]) == len(silent) == 1:
         entries[lacking[0]] = Entry(f"`{silent[0]}`", None)
+    if doubts and "theta" in entries and entries["theta"].unit == COUNTS:
+        # A velocity that says no unit beside counts is a register, of which nobody knows what it counts.
+        entries = {target: one for target, one in entries.items() if target not in _DERIVED or one.unit}
     if doubts:
         raise ask(table, next(doubts[one] for one in ("theta", "tau", *TARGETS) if one in doubts), entries)
     taken = ", ".join(_taken(name, entry, coordinate) for name, entry in entries.items())
@@ -133,6 +137,8 @@ def _chosen(table: Table, labels: dict[str, Label]) -> tuple[dict[str, Entry], d
         entries[target] = Entry(f"`{name}`", labels[name].unit or _UNIT_ALONE.get(quantity))
         if len(found) > 1 and (target != "t" or len(plain) != 1):  # beside the time there may be a loop's
             doubts[target] = f"{_listed(found)} could each be {target}"
+            if target == "theta" and _counted(table, entries[target]):
+                entries[target] = Entry(f"`{name}`", COUNTS)
         elif target == "tau" and parts_in(name) is not None:
             doubts[target] = f"{name!r} is in parts of what the drive is rated for"
         elif quantity == "current" and labels[name].unit is None:
@@ -185,7 +191,7 @@ def by_content(table: Table) -> dict[str, Entry]:
         entries["theta"] = Entry(f"`{theta}`", _label(table, theta).unit)
         others = [name for name in others if name not in alike]
         omega = max(few, key=lambda name: _goes_with(table.columns[theta], table.columns[name]))
-        derived = _goes_with(table.columns[theta], table.columns[omega]) > _DERIVED
+        derived = _goes_with(table.columns[theta], table.columns[omega]) > _VELOCITY
         if derived and omega in others and len(others) > 1:  # the last one left has to be the torque
             entries["omega"] = Entry(f"`{omega}`", _label(table, omega).unit)
             others.remove(omega)
