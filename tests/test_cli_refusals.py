@@ -13,7 +13,6 @@ OPTIONS: dict[str, tuple[list[str], list[str]]] = {
         ["--map", "t=t_s", "theta=angle", "tau=tau_Nm"],
         ["good.csv", "angle", "theta_rad"],
     ),
-    "map without torque": (["--map", "t=t_s", "theta=theta_rad"], ["map", "tau is missing"]),
     "map of an unknown target": (["--map", "torque=tau_Nm"], ["'torque'", "tau"]),
     "map that calls code": (["--map", "t=t_s, theta=open(theta_rad), tau=tau_Nm"], ["open"]),
     "map without equals sign": (["--map", "theta_rad"], ["--map", "'theta_rad'"]),

@@ -202,3 +202,17 @@ def test_a_joint_is_refused_where_there_is_none_to_choose(tmp_path: Path) -> Non
     np.save(tmp_path / "run.npy", np.zeros((10, 3)))
     with pytest.raises(InputError, match="has no joints to choose from"):
         kc.load(tmp_path / "run.npy", joint="elbow")
+
+
+def test_a_step_beside_sweeps_is_a_run_as_they_are(tmp_path: Path) -> None:
+    """96 runs of a servo, of 12 to 150 readings, were one run of 96 rows and 303 columns."""
+    sizes = (150, 12, 12, 100, 12)
+    runs = [{"type": "x", "angle": THETA[:size].tolist(), "torque": TAU[:size].tolist()} for size in sizes]
+    path = written(tmp_path, {"dataset": "real", "data": [{**one, "targets": [0.0, 1.0]} for one in runs]})
+    with pytest.raises(InputError, match="5 runs in one file"):
+        kc.load(path)
+    np.testing.assert_array_equal(kc.load(path, joint="2", rate_hz=100.0).theta, THETA[:12])
+    # Rows of which one has more of something are rows.
+    touched = rows(t=T.tolist(), angle=THETA.tolist(), torque=TAU.tolist(), hits=[[0.0] * 3] * N)
+    touched[7]["hits"] = [0.0] * 70
+    np.testing.assert_array_equal(kc.load(written(tmp_path, touched)).theta, THETA)

@@ -117,15 +117,12 @@ def test_names_in_backquotes_may_hold_anything() -> None:
 @pytest.mark.parametrize(
     ("column_map", "message"),
     [
-        ("theta=a", "tau is missing"),
         ("theta=a, tau=b, force=c", "'force' is not a column of a capture"),
         ("theta=a, tau=b, tau=c", "tau is assigned twice"),
         ("theta=a, tau=", "tau is assigned nothing"),
         ("theta=a, tau=b []", "empty unit"),
         ("theta", "cannot be read"),
         ("", "cannot be read"),
-        ([], "theta is missing"),
-        ({}, "theta is missing"),
     ],
 )
 def test_a_map_that_cannot_be_read_says_why(column_map: Any, message: str) -> None:

@@ -8,7 +8,6 @@ import io
 import json
 import lzma
 import pickle
-import struct
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -17,7 +16,6 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.feather
 import pytest
-import scipy.io  # type: ignore[import-untyped]
 from test_formats_names import OMEGA, TAU, THETA, T, assert_taken, log
 
 import knobcam as kc
@@ -81,22 +79,11 @@ def feather() -> bytes:
     return made.getvalue()
 
 
-def mat4(order: str = "<") -> bytes:
-    made = io.BytesIO()
-    scipy.io.savemat(made, {"t": T, "tau": TAU}, format="4")
-    if order == "<":
-        return made.getvalue()
-    kind, *sizes = struct.unpack("<5I", made.getvalue()[:20])
-    return struct.pack(">5I", kind + 1000, *sizes) + made.getvalue()[20:]
-
-
 @pytest.mark.parametrize(
     ("content", "said"),
     [
         (pickle.dumps({"t": T}), "a pickle, which is never read; save its numbers as .npz or CSV"),
         (feather(), "save it as Parquet"),
-        (mat4(), "MATLAB version 4; save it anew with -v7"),
-        (mat4(">"), "MATLAB version 4; save it anew with -v7"),
         (b"TDSm" + bytes(60), "export it as CSV"),
         (b"MDF     4.10    " + bytes(60), "asammdf"),
         (bytes.fromhex("d0cf11e0a1b11ae1") + bytes(60), "save its sheet as CSV"),

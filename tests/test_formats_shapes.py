@@ -39,6 +39,19 @@ def test_units_in_a_line_below_the_header_are_taken(tmp_path: Path, units: str) 
     assert close(kc.load(file))
 
 
+def test_units_of_which_some_are_strange_are_units_all_the_same(tmp_path: Path) -> None:
+    """A dynamometer logs `Deg C`, `W` and `N.mm`: its units were the header, and their names lost."""
+    path = tmp_path / "run.csv"
+    lines = ["Time, Angle, Torque, Drive temperature, Brake temperature, Drive current, Brake current"]
+    lines += ["s, deg, N.mm, Deg C, Deg C, A, A"]
+    lines += [f"{at / 100}, {at % 7}, {at % 3}, 25, 26, 1, 2" for at in range(40)]
+    path.write_text("\n".join(["2019-05-11 15:22:21.215576", *lines]))
+    capture = kc.load(path)
+    assert capture.tau[2] == pytest.approx(2e-3) and capture.theta[1] == pytest.approx(np.radians(1.0))
+    with pytest.raises(InputError, match=r"Deg C.*unknown unit"):
+        kc.load(path, map="tau=`Drive temperature [Deg C]` [Deg C]")
+
+
 def test_a_line_below_the_header_that_holds_no_units_is_refused_by_its_cell(tmp_path: Path) -> None:
     file = written(
         tmp_path / "log.csv", ["t,theta,tau", "start,of,test"], lambda t, theta, tau: f"{t},{theta},{tau}"

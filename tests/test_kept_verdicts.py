@@ -84,6 +84,7 @@ def test_of_what_a_ladder_says_in_the_end(monkeypatch: pytest.MonkeyPatch) -> No
     maps = ("return_spring", "position_polynomial")
     monkeypatch.setattr(selection, "_is_map", lambda effect, _: effect in maps)
     monkeypatch.setattr(selection, "width", lambda fit: fit.wide)
+    monkeypatch.setattr(selection, "friction_drives", lambda fit: None)
     monkeypatch.setattr(selection, "at_bounds", lambda fit: {})
     monkeypatch.setattr(headline, "within_rounding", lambda fit: None)
     for one in (selection, headline):

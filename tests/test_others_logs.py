@@ -190,3 +190,74 @@ def test_a_torque_that_returns_once_a_turn_is_gravity_and_no_detent() -> None:
     twice = 3.3 * np.sin(2.0 * theta) + 0.02 * alpha + 0.1 * np.sign(omega) + 4e-3 * normal(2)
     two = kc.learn(capture(theta, twice))
     assert two.fit.params["detent.P"].value == pytest.approx(0.5, rel=0.01)
+
+
+@pytest.mark.parametrize("keeps", [0.0, 0.75])
+def test_beside_friction_that_gives_power_back_nothing_is_named_however_small_the_way(keeps: float) -> None:
+    """An exoskeleton that pushes its wearer: "torque_lag was missing", of 0.018 rad, or nothing at all."""
+    theta, omega, alpha = swung(9e-3, 0.9, 2.3, 3.7)
+    tau = signal.lfilter([1.0 - keeps], [1.0, -keeps], 0.15 * alpha - 1.5 * np.sign(omega))  # 15 ms later
+    story = kc.learn(kc.Capture.from_arrays(t=T, theta=theta + 1e-7 * normal(1), tau=tau + 0.25 * normal(2)))
+    assert (story.verdict, story.found) == ("unexplained", ())
+    assert "friction gives power back, which no knob does" in story.headline
+    bent = [one for one in story.fit.warnings if one.startswith("coulomb.pos is negative")]
+    assert not any("falls with speed" in one for one in bent)
+
+
+@pytest.mark.parametrize(("hertz", "off"), [((0.23, 0.41), True), ((0.023, 0.041), False)])
+def test_waves_that_the_filter_takes_off_are_no_names(hertz: tuple[float, ...], off: bool) -> None:
+    """`detent_harmonics` of a wrist at 125 Hz came at 80 Hz, its filter ends at 12.5 Hz."""
+    theta, omega, alpha = swung(1.6, *hertz)
+    waves = 0.2 * np.sin(20.0 * theta) + 0.3 * np.sin(100.0 * theta + 1.0)
+    tau = 0.02 * alpha + 0.3 * np.sign(omega) + 0.05 * omega + waves + 0.02 * normal(2)
+    model = kc.Model.of(["inertia", "coulomb", "viscous", "detent"], detent__P=0.05)
+    fit = kc.fit(capture(theta, tau), model, torque_edge_hz=12.5)
+    (shape,) = fit.diagnose(only=["detent_harmonics"]).candidates
+    assert any("torque filter takes off" in why for why in shape.implausible) is off
+
+
+def third_repeats(theta: Column, omega: Column, tau: Column, times: float = 1.0) -> kc.Capture:
+    """A log in which every third row is the one before it once more, as a bus that was late left it."""
+    read = np.arange(len(T)) - (np.arange(len(T)) % 3 == 2)
+    noisy = omega * times + 1e-4 * normal(4)
+    return kc.Capture.from_arrays(
+        t=T, theta=(theta + 1e-5 * normal(1))[read], omega=noisy[read], tau=tau[read]
+    )
+
+
+def test_units_are_held_against_each_other_where_every_third_row_is_none() -> None:
+    """No stretch of such a log is whole: a velocity in any unit passed, and a rate that was guessed."""
+    theta, omega, alpha = swung(1.6, 0.23, 0.41)
+    tau = 0.02 * alpha + 0.3 * np.sign(omega) + 0.02 * normal(2)
+    assert not [one for one in third_repeats(theta, omega, tau).findings if one.kind == "unit"]
+    (wrong,) = [one for one in third_repeats(theta, omega, tau, 0.5).findings if one.kind == "unit"]
+    assert "omega: 0.5" in wrong.message and "the rate" in wrong.message
+
+
+@pytest.mark.parametrize("every", [2, 3])
+def test_a_velocity_that_was_computed_row_by_row_of_a_held_angle_is_none(every: int) -> None:
+    """A controller's: nothing between the readings of the angle, and two or three times as much with each."""
+    theta, omega, alpha = swung(1.6, 0.23, 0.41)
+    tau = 0.02 * alpha + 0.3 * np.sign(omega) + 0.02 * normal(2)
+    held = np.repeat((theta + 1e-4 * normal(1))[::every], every)[: len(T)]
+    steps = np.diff(held, prepend=held[0]) * RATE_HZ
+    found = kc.Capture.from_arrays(t=T, theta=held, omega=steps, tau=tau)
+    (said,) = [one for one in found.findings if (one.kind, one.column) == ("held", "omega")]
+    assert found.omega is None and "computed row by row" in said.message
+    assert not [one for one in found.findings if one.kind == "unit"]
+    # Whoever rests has no velocity either, and that is one.
+    rests = np.where((T % 10.0 < 5.0), theta, theta[np.searchsorted(T, T - T % 5.0)])
+    still = np.where(np.diff(rests, prepend=rests[0]) == 0.0, 0.0, omega)
+    assert kc.Capture.from_arrays(t=T, theta=rests, omega=still, tau=tau).omega is not None
+
+
+def test_a_spring_whose_rest_is_far_is_not_ruled_out_for_its_offset() -> None:
+    """A spring over 0.26 rad: "unbalance was missing" alone, as a spring bent the friction of one direction.
+
+    The pull at the zero of the angle is an offset, and that is what the two directions differ in.
+    """
+    theta, omega, alpha = swung(0.13, 0.11, 0.35)
+    tau = 2.0 * theta + 0.002 * alpha + 0.01 * np.sign(omega) + 0.01 * normal(2)
+    story = kc.learn(capture(theta - 0.8, tau))
+    (step,) = story.ladder[1:]
+    assert {"return_spring", "unbalance"} <= {step.added, *step.equivalent}, story.headline

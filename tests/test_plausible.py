@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -35,7 +35,13 @@ def fitted(rmse: float = 1.0, effects: tuple[str, ...] = EFFECTS, heldout: float
     names = {a: {b: float(a == b) for b in params} for a in params}
     model = SimpleNamespace(coordinate="rotary", effects=effects, catalogue=kc.effects)
     return SimpleNamespace(
-        model=model, params=params, rmse=rmse, rmse_heldout=heldout, prepared=(), correlation=names
+        model=model,
+        params=params,
+        rmse=rmse,
+        rmse_heldout=heldout,
+        prepared=(),
+        correlation=names,
+        torque_unit="N m",
     )
 
 
@@ -153,6 +159,18 @@ def test_what_an_effect_bends_below_zero_speaks_against_it(torques: dict[str, fl
         assert bool(said((-1e-4, error), good)) == bent
     # It was below zero before, but not so far.
     assert said(bad, (-1e-5, 1e-6)) != [] and said((-1.1e-5, 1e-7), (-1e-5, 1e-6)) == []
+
+
+def test_one_direction_of_friction_below_zero_may_be_an_offset(torques: dict[str, float]):
+    """The mean of the two is friction, and what they differ in a constant torque."""
+    torques |= {"coulomb.neg": 1.1}
+    before = fitted(coulomb__neg=(0.02, 1e-4))
+
+    def bent(neg: float, pos: float) -> bool:
+        now = fitted(coulomb__neg=(neg, 1e-4), coulomb__pos=(pos, 1e-4))
+        return bool(plausible._below_zero(cast(Any, SimpleNamespace(fit=now, rmse=1.0)), before))
+
+    assert bent(-0.02, 0.01) and not bent(-0.02, 0.02) and not bent(-0.02, 0.0199)
 
 
 def test_what_an_effect_loses_on_unseen_blocks_speaks_against_it_where_it_is_more_than_it_wins():

@@ -145,6 +145,21 @@ def test_a_log_whose_columns_have_to_be_named_is_asked_about_on_the_page(tmp_pat
     refused(knobcam("workbench", "--no-browser", log, "--map", "t=zeit"), "theta is missing")
 
 
+def test_a_unit_of_time_that_nobody_knows_is_left_for_the_page_to_ask(tmp_path: Path) -> None:
+    log = tmp_path / "log.csv"
+    t = np.arange(200.0)
+    columns = np.column_stack([t, np.sin(0.09 * t), np.cos(0.09 * t)])
+    np.savetxt(log, columns, delimiter=",", header="time [samples],angle [rad],torque [Nm]", comments="")
+    with pytest.raises(InputError) as refusal:
+        kc.load(log)
+    asked = explained(refusal.value, log, {}, 10**9)
+    assert isinstance(asked, Unmapped) and asked.guess["t"] == {
+        "expression": "`time [samples]`",
+        "unit": None,
+    }
+    assert asked.guess["theta"]["unit"] == "rad"
+
+
 def test_what_came_in_stays_in_the_headline_while_something_else_is_missing() -> None:
     session = Session()
     knob = kc.hiding("knob4", "return_spring", "stribeck", motion="sweep", duration_s=4.0)

@@ -44,7 +44,10 @@ class Formula:
         file = Path(path)
         column_map = reading.map or ()
         self._map, self._coordinate = column_map, reading.coordinate
-        self._expression = parse_map(column_map)["tau"].expression
+        entries = parse_map(column_map)
+        if "tau" not in entries:
+            raise InputError(f"{file}: map: tau is missing, of which the free constants are a part")
+        self._expression = entries["tau"].expression
         self._table = reading.table(file)
         for at, name in enumerate(free):
             if name in self._table.columns or name in free[:at]:

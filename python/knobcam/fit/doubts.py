@@ -12,7 +12,7 @@ from .. import _core
 from ..base.said import OfParam, said
 from ..capture.formats.units import VOLTAGES
 from ..model.effects import base_effects
-from .plausible import REVERSED, torque_of
+from .plausible import REVERSED, per_speed, torque_of
 from .uncounted import uncounted
 
 if TYPE_CHECKING:
@@ -70,13 +70,8 @@ def doubts(fit: Fit) -> tuple[str, ...]:
     if fit.log_fault == REVERSED:
         found = [REVERSED]
     else:
-        why = (
-            "over these speeds it stands for something else, as friction that falls with speed"
-            if at_floor(fit)
-            else "an effect is probably missing"
-        )
         words = "{name} is negative, which no real knob has: {why}"
-        found = [said(words, name=OfParam(name), why=why) for name in negative]
+        found = [said(words, name=OfParam(name), why=_in_place_of(fit, name)) for name in negative]
     alike = [signals for signals in fit.prepared if _moves_like_a_spring(signals)]
     if alike and len(alike) == len(fit.prepared) and fit.model.core.at_rest()[0] != 0.0:
         found.append(
@@ -89,6 +84,19 @@ def doubts(fit: Fit) -> tuple[str, ...]:
     if astray(fit):
         found.append("detent.P came out at less than one detent a turn, which is none: start without detents")
     return (*found, *_at_bounds(fit), *_back_emf(fit))
+
+
+def _in_place_of(fit: Fit, name: str) -> str:
+    """Return why a parameter of the base model came out negative."""
+    if not at_floor(fit):
+        return "an effect is probably missing"
+    if fit.params[name].unit == per_speed(fit):
+        what = "friction that falls with speed does"
+    elif fit.model.catalogue()[name.split(".", 1)[0]].friction:
+        what = "an offset does, or drag that grows faster than the speed"
+    else:
+        what = "the pull of a spring or a detent does"
+    return f"over this motion it stands for something else, as {what}"
 
 
 def astray(fit: Fit) -> bool:
@@ -108,7 +116,7 @@ def log_in_doubt(fit: Fit) -> str | None:
     What makes less torque than is left is bent by that, whatever it is; of one that has a value for each
     direction an offset may take one of them below zero, and friction that falls with the speed a viscous one.
     """
-    own = {name: e for name, e in _of_base(fit).items() if e.unit != _per_speed(fit)}
+    own = {name: e for name, e in _of_base(fit).items() if e.unit != per_speed(fit)}
 
     def in_common(name: str) -> float:
         return sum(e.value for other, e in own.items() if other.split(".")[0] == name.split(".")[0])
@@ -124,10 +132,6 @@ def log_in_doubt(fit: Fit) -> str | None:
     )
 
 
-def _per_speed(fit: Fit) -> str:
-    return f"{fit.torque_unit} s/{'rad' if fit.model.coordinate == 'rotary' else 'm'}"
-
-
 def _of_base(fit: Fit) -> dict[str, Estimate]:
     base = base_effects(fit.model.coordinate)
     return {name: e for name, e in fit.params.items() if name.split(".", 1)[0] in base}
@@ -136,7 +140,7 @@ def _of_base(fit: Fit) -> dict[str, Estimate]:
 def _back_emf(fit: Fit) -> list[str]:
     """What is said of friction in proportion to the speed where the torque is what drives the current."""
     own = _of_base(fit)
-    names = [name for name, e in own.items() if e.unit == _per_speed(fit)]
+    names = [name for name, e in own.items() if e.unit == per_speed(fit)]
     if fit.torque_unit not in VOLTAGES or not names or fit.constants:
         return []
     what = f"hold the motor's back-EMF beside its friction, unless the {fit.torque_unit} command a current"

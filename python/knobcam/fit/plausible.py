@@ -47,6 +47,7 @@ def implausible(candidate: Candidate, before: Fit) -> tuple[Said, ...]:
         *_below_zero(candidate, before),
         *_pushed_out(candidate, before),
         *_unseen(fit, before),
+        *_filtered_off(candidate.effect, fit),
         *(said(one, **{effect: OfEffect(effect) for effect in fit.model.catalogue()}) for one in own),
     )
 
@@ -87,13 +88,19 @@ def impossible(fit: Fit) -> str | None:
     if (name := _taken_away(told, fit)) is not None:
         return f"{name} makes many times the torque that was measured, which others take away again"
     negative = [name for name, e in told.items() if e.determined and e.value + RULE.surely * e.se < 0.0]
-    if not negative:
-        return None
     rubs = _friction(fit.model.coordinate)
     # What makes less torque than is left is bent by that: a motion that hardly speeds up says nothing of it.
     stores = [name for name in negative if name.split(".")[0] not in rubs and torque_of(fit, name) > fit.rmse]
     if stores:
         return f"{' and '.join(stores)} came out negative, which no knob has"
+    return friction_drives(fit)
+
+
+def friction_drives(fit: Fit) -> str | None:
+    """Return that friction of the base model gives power back over the whole motion, beyond doubt."""
+    told = {name: e for name, e in fit.params.items() if name in _never_negative(fit.model.coordinate)}
+    if not any(e.determined and e.value + RULE.surely * e.se < 0.0 for e in told.values()):
+        return None
     power, error = _friction_power(fit)
     return "friction gives power back, which no knob does" if power + RULE.surely * error < 0.0 else None
 
@@ -118,13 +125,22 @@ def _taken_away(told: Mapping[str, Estimate], fit: Fit) -> str | None:
 
 def _told_in_common(name: str, told: Mapping[str, Estimate], fit: Fit) -> bool:
     """Whether the mean of the parameters of an effect is known, though one of them is not."""
+    known = _in_common(name, told, fit)
+    return known is not None and abs(known[0]) >= RULE.sure * known[1]
+
+
+def _in_common(name: str, told: Mapping[str, Estimate], fit: Fit) -> tuple[float, float] | None:
+    """Return the mean of the parameters of an effect, of which a name is one, and its standard error.
+
+    None where one of them is not determined.
+    """
     names = [other for other in told if other.split(".")[0] == name.split(".")[0]]
     if not all(told[other].determined for other in names):
-        return False
+        return None
     se = np.array([told[other].se for other in names])
     joint = np.array([[fit.correlation[a][b] for b in names] for a in names])
-    mean = np.mean([told[other].value for other in names])
-    return bool(abs(mean) >= RULE.sure * np.sqrt(max(se @ joint @ se, 0.0)) / len(names))
+    mean = float(np.mean([told[other].value for other in names]))
+    return mean, float(np.sqrt(max(se @ joint @ se, 0.0))) / len(names)
 
 
 def _friction(coordinate: str) -> list[str]:
@@ -208,6 +224,30 @@ def _unseen(fit: Fit, before: Fit) -> list[Said]:
     return [adds] if lost > max(won, 0.0) else []
 
 
+def _filtered_off(effect: str, fit: Fit) -> list[Said]:
+    """Return that the filter takes off most of the torque that an effect makes as the position changes.
+
+    Its waves come faster than the filter lets pass wherever the motion is not slow; of what it says of them
+    there, which is most of it, nobody has seen anything.
+    """
+    row = fit.model.catalogue()[effect]
+    if row.place != "load" or row.over not in ("position", "several"):
+        return []
+    bare = fit.model.core.only([one for one in fit.model.effects if one != effect])
+    passed, made = 0.0, 0.0
+    for one in fit.prepared:
+        seen, whole = (
+            fit.model.core.torque(one.core, filtered) - bare.torque(one.core, filtered)
+            for filtered in (True, False)
+        )
+        passed += float(np.nansum(np.square(seen[one.used])))
+        made += float(np.nansum(np.square(whole[one.used])))
+    if passed >= (1.0 - RULE.mainly) * made:
+        return []
+    share = number(100.0 * (1.0 - passed / made), "%", ".0f")
+    return [said("the torque filter takes off {share} of what it would make, by its squares", share=share)]
+
+
 def _out_of_range(effect: str, fit: Fit) -> list[Said]:
     found = []
     for row in fit.model.catalogue()[effect].params:
@@ -243,13 +283,17 @@ def _pushed_out(candidate: Candidate, before: Fit) -> list[Said]:
 def _below_zero(candidate: Candidate, before: Fit) -> list[Said]:
     """Return what it bends below zero that was not before."""
     found = []
-    for name in _never_negative(candidate.fit.model.coordinate):
-        now, then = candidate.fit.params.get(name), before.params.get(name)
-        if now is None or then is None or not (now.determined and then.determined):
+    never = _never_negative(candidate.fit.model.coordinate)
+    told = {name: e for name, e in candidate.fit.params.items() if name in never}
+    for name in told:
+        now, then = told[name], before.params.get(name)
+        if then is None or not (now.determined and then.determined):
             continue
         bent = now.value + RULE.sure * now.se < min(0.0, then.value - RULE.sure * then.se)
-        # What makes less torque than remains unexplained is bent by that.
-        if bent and torque_of(candidate.fit, name) > candidate.rmse:
+        common = None if now.unit == per_speed(candidate.fit) else _in_common(name, told, candidate.fit)
+        offset = common is not None and common[0] + RULE.sure * common[1] >= 0.0
+        # What makes less torque than remains unexplained is bent by that, one direction alone by an offset.
+        if bent and not offset and torque_of(candidate.fit, name) > candidate.rmse:
             what = f"{now.value:.3g}"
             found.append(
                 said("beside it {param} = {what}, which no knob has", param=OfParam(name), what=what)
@@ -266,6 +310,11 @@ def _once_a_turn(effect: str, fit: Fit) -> list[Said]:
     if times > _ONCE:
         return []
     return [said(f"it returns {times:.2g} times a turn, as an unbalance does and no detents do")]
+
+
+def per_speed(fit: Fit) -> str:
+    """Return the unit of friction in proportion to the speed."""
+    return f"{fit.torque_unit} s/{'rad' if fit.model.coordinate == 'rotary' else 'm'}"
 
 
 def torque_of(fit: Fit, name: str) -> float:

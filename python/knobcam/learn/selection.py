@@ -12,7 +12,7 @@ from ..capture.prepare import travel
 from ..fit.absent import absent
 from ..fit.diagnose import Candidate, Diagnosis, diagnose, worth_adding
 from ..fit.doubts import at_bounds
-from ..fit.plausible import columns_at_fault
+from ..fit.plausible import columns_at_fault, friction_drives
 from ..fit.refit import converged, drop, gain, needed, needless, with_clipped
 from ..fit.rule import RULE
 from ..fit.uncounted import uncounted
@@ -217,12 +217,11 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
         weighed = first_weighed(ladder) or last
         bare = _unexplained(weighed.comparison) or Unexplained("time", 1.0, "")
         found, unexplained = (), bare._replace(hint=words)
-    wrong = end.impossible
     # Within less than a detent its pull counts as inertia: that is said as what such a motion cannot tell.
-    if unexplained is None and wrong is not None and width(end) is None:
-        # However little it leaves, it is not this knob that it explains.
-        found = tuple(one for one in found if one in mainly)
-        unexplained = Unexplained("load", 1.0, wrong)
+    wrong = end.impossible if width(end) is None else friction_drives(end)
+    if unexplained is None and wrong is not None:
+        # However little it leaves, it is not this knob that it explains, and what stands beside it no cause.
+        found, unexplained = (), Unexplained("load", 1.0, wrong)
     if unexplained is None and (beyond := end.beyond) is not None:
         unexplained = Unexplained(beyond.axis, beyond.share, beyond.words)
     return Selection(tuple(ladder), found, last, unexplained)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..capture import load
 from ..capture.formats import read_table
-from ..capture.formats.recognise import Unclear
+from ..capture.formats.recognise import UNKNOWN, Unclear
 from ..errors import InputError
 
 if TYPE_CHECKING:
@@ -70,7 +70,8 @@ def _plainly(why: str, columns: int) -> str:
 
 
 def _guessed(entry: Entry) -> pages_sources.Guess:
-    return {"expression": entry.expression, "unit": entry.unit}
+    # What nobody knows the page asks for.
+    return {"expression": entry.expression, "unit": None if entry.unit == UNKNOWN else entry.unit}
 
 
 def _described(name: str, column: FloatArray) -> pages_sources.FileColumn:

@@ -9,7 +9,11 @@ use nalgebra::Complex;
 
 use super::pairing::{Roots, sections};
 use super::sos::Sos;
+use crate::effects::short;
 use crate::error::{Error, Result};
+
+/// Digits of a frequency in a message: that of a log's clock has a dozen.
+const DIGITS: usize = 4;
 
 /// Highest order that the designs give; beyond it the stop band of any practical filter is below
 /// the rounding of a double.
@@ -106,11 +110,12 @@ fn warped_edge(name: &str, order: usize, edge_hz: f64, rate_hz: f64) -> Result<f
     }
     let nyquist_hz = 0.5 * rate_hz;
     if !(edge_hz.is_finite() && edge_hz > 0.0 && edge_hz < nyquist_hz) {
+        let [edge, nyquist, rate] = [edge_hz, nyquist_hz, rate_hz].map(|hz| short(hz, DIGITS));
         return Err(Error::invalid(
             name,
             format!(
-                "{edge_hz} Hz must lie above 0 and below the Nyquist frequency {nyquist_hz} Hz \
-                 (half of {rate_hz} Hz); lower the edge or sample faster"
+                "{edge} Hz must lie above 0 and below the Nyquist frequency {nyquist} Hz \
+                 (half of {rate} Hz); lower the edge or sample faster"
             ),
         ));
     }
@@ -165,6 +170,8 @@ mod tests {
             assert!(message.contains("Nyquist frequency 500 Hz"), "{message}");
             assert!(message.contains("lower the edge"), "{message}");
         }
+        let message = cheby2(3, 20.0, 100.5, 199.8994476).unwrap_err().to_string();
+        assert!(message.contains("Nyquist frequency 99.95 Hz (half of 199.9 Hz)"), "{message}");
     }
 
     #[test]

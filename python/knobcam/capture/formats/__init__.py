@@ -129,6 +129,10 @@ def _binary(path: Path, head: bytes, max_bytes: int) -> Table | None:
         from .matlab import read_mat5
 
         return read_mat5(path, max_bytes)
+    if magic.mat4(head) is not None:
+        from .matlab4 import read_mat4
+
+        return read_mat4(path, max_bytes)
     if magic.is_hdf5(head):
         from .hdf5 import read_hdf5
 

@@ -40,7 +40,10 @@ class Entry:
 
 
 def parse_map(column_map: ColumnMap) -> dict[str, Entry]:
-    """Return the entries of a map by target; InputError names what cannot be read."""
+    """Return the entries of a map by target; InputError names what cannot be read.
+
+    An angle or a torque may be absent: the names of a file may say the rest.
+    """
     if isinstance(column_map, Mapping):
         pairs = [(str(target).strip(), str(text)) for target, text in column_map.items()]
     elif isinstance(column_map, str):
@@ -54,10 +57,12 @@ def parse_map(column_map: ColumnMap) -> dict[str, Entry]:
         if target in entries:
             raise InputError(f"map: {target} is assigned twice; leave one out")
         entries[target] = _entry(target, text)
-    for target in ("theta", "tau"):
-        if target not in entries:
-            raise InputError(f"map: {target} is missing; add {target}=COLUMN to the map")
     return entries
+
+
+def lacking(entries: Mapping[str, Entry]) -> str | None:
+    """Return what a capture needs and a map does not have; None where it has all."""
+    return next((target for target in ("theta", "tau") if target not in entries), None)
 
 
 def _split(text: str) -> list[tuple[str, str]]:

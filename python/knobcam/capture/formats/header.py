@@ -56,12 +56,12 @@ _ASKED_FOR = _words_of(
 
 _ANGLES_ALONE = _words_of("angle phi rotation")
 _UNIT_OF = {
-    "t": ("s", "ms", "us", "ns", "min"),
+    "t": ("s", "ms", "us", "ns", "min", "h"),
     "theta": ("rad", "mrad", "deg", "turn", "m", "cm", "mm", "um", "inch", "ft", COUNTS),
     "omega": ("rad/s", "deg/s", "turn/s", "rpm", "m/s", "cm/s", "mm/s", "inch/s", "ft/s"),
     "alpha": ("rad/s^2", "deg/s^2", "turn/s^2", "m/s^2", "mm/s^2", "inch/s^2", "ft/s^2"),
     "tau": (
-        *("N m", "mN m", "uN m", "N cm", "kN m", "lbf inch", "lbf ft", "ozf inch", "ozf ft"),
+        *("N m", "mN m", "uN m", "N cm", "N mm", "kN m", "lbf inch", "lbf ft", "ozf inch", "ozf ft"),
         *("N", "mN", "kN", "lbf", "ozf", "kip"),
     ),
     "current": ("A", "mA"),
@@ -70,8 +70,13 @@ _UNIT_OF = {
 _QUANTITY = {unit: quantity for quantity, units in _UNIT_OF.items() for unit in units}
 
 
+_SHORT: dict[tuple[str | None, str], str] = {("theta", "in"): "inch", ("t", "min"): "min", ("t", "h"): "h"}
+"""What in brackets is the unit of one quantity alone: a torque (in) comes in, a speed (min) is the least."""
+
 _PARTS = {"%": 100, "percent": 100, "pct": 100, "‰": 1000, "permille": 1000, "promille": 1000}
 
+_AT_END = re.compile(r"\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))\s*$")
+"""What is in brackets at the end of a name."""
 _LONGEST = 200  # letters of a name; what damaged a file makes names of 10^5, which patterns take minutes for
 
 
@@ -162,10 +167,21 @@ def _bracketed(name: str) -> tuple[str, str | None]:
     for pattern in (r"(.+?)\s*[\[({<]([^\[\](){}<>]*)[\])}>]\s*", r"(.+\S)\s*/\s*([^/\s][^\s]*)\s*"):
         if not (found := re.fullmatch(pattern, name)):
             continue
-        words = [word.lower() for word in words_of(found[1])]
-        if unit := "inch" if found[2] == "in" and _head(words)[0] == "theta" else spelled_out(found[2]):
-            return found[1], unit  # a torque (in) is what comes in
+        head = _head([word.lower() for word in words_of(found[1])])[0]
+        if unit := _SHORT.get((head, found[2])) or spelled_out(found[2]):
+            return found[1], unit
     return name, None
+
+
+def bracketed(name: str) -> str | None:
+    """Return what stands in brackets at the end of a name, whatever it is."""
+    found = _AT_END.search(name[-_LONGEST:])
+    return found and (found[1] or found[2])
+
+
+def without_brackets(name: str) -> str:
+    """Return a name without what stands in brackets at its end."""
+    return _AT_END.sub("", name)
 
 
 def words_of(text: str) -> list[str]:

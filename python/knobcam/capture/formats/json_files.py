@@ -174,7 +174,24 @@ def _tview(source: str, rows: Iterable[Mapping[str, Any]], joint: str | None) ->
 def _runs(document: Any) -> list[Any] | None:
     """Return the runs where a document is a list of them, or has one; None for one run."""
     lists = [document, *(document.values() if isinstance(document, dict) else [])]
-    return next((one for one in lists if isinstance(one, list) and one and all(map(_is_run, one))), None)
+    return next((one for one in lists if isinstance(one, list) and _are_runs(one)), None)
+
+
+def _are_runs(several: list[Any]) -> bool:
+    """Whether what a list holds are runs, of which some may be short: a step beside a sweep, or an empty one.
+
+    What a run has of one of its columns, it has as much of another.
+    """
+    long = [one for one in several if _is_run(one)]
+    return bool(long) and (len(long) == len(several) or all(map(_is_even, several)))
+
+
+def _is_even(value: Any) -> bool:
+    """Whether a value has several columns of one length, and none is longer, or none at all."""
+    if not isinstance(value, dict):
+        return False
+    sizes = [len(part) for part in value.values() if isinstance(part, list) and part]
+    return not sizes or sizes.count(max(sizes)) > 1
 
 
 def _is_run(value: Any) -> bool:

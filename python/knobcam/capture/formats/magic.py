@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import struct
+from typing import NamedTuple
 
 GZIP = b"\x1f\x8b"
 XZ = b"\xfd7zXZ\x00"
@@ -32,27 +33,47 @@ _NOT_READ = {
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 _USER_BLOCK = 512  # bytes of text that MATLAB puts before the HDF5 content
 _MAT4 = struct.Struct("<5I")  # its kind, rows, columns, whether complex, letters of the name and a zero
-_MAT4_KINDS = {"<": range(0, 60, 10), ">": range(1000, 1060, 10)}  # full matrices, by the order of bytes
+_MAT4_ORDERS = ("<", ">")  # by the thousands of its kind
+_MAT4_NUMBERS = ("f8", "f4", "i4", "i2", "u2", "u1")  # by its tens
+_MAT4_KINDS = 3  # by its ones: numbers, text, sparse
+_MAT4_NAME = 64  # letters and a zero: MATLAB's names are up to 63
+MAT4_BYTES = _MAT4.size + _MAT4_NAME
+"""As much as the longest beginning of a matrix of MATLAB version 4 takes."""
 _JSON = re.compile(rb"\s*(\{|\[\s*[\[{])")
 
 
 def not_read(head: bytes) -> str | None:
     """Return what a file is that is known and not read, and the way out; None for any other."""
-    known = next((said for begin, said in _NOT_READ.items() if head.startswith(begin)), None)
-    return "a .mat of MATLAB version 4; save it anew with -v7" if known is None and _is_mat4(head) else known
+    return next((said for begin, said in _NOT_READ.items() if head.startswith(begin)), None)
 
 
-def _is_mat4(head: bytes) -> bool:
-    """Whether a file begins with a variable of MATLAB version 4: five whole numbers, then its name."""
-    for order in ("<", ">"):
-        if len(head) < _MAT4.size:
-            return False
+class Mat4(NamedTuple):
+    """How a matrix of MATLAB version 4 begins: its numbers are `dtype`, from the byte `start` on."""
+
+    dtype: str
+    what: int
+    rows: int
+    columns: int
+    imaginary: bool
+    name: str
+    start: int
+
+
+def mat4(head: bytes) -> Mat4 | None:
+    """Return how a matrix of MATLAB version 4 begins, five numbers and its name; None where none does."""
+    if len(head) < _MAT4.size:
+        return None
+    for machine, order in enumerate(_MAT4_ORDERS):
         kind, rows, columns, imaginary, letters = struct.unpack(order + _MAT4.format[1:], head[: _MAT4.size])
-        sizes = 0 < rows < 2**31 and 0 < columns < 2**31 and imaginary in (0, 1) and 1 < letters < 64
-        if sizes and kind in _MAT4_KINDS[order]:
-            name = head[_MAT4.size : _MAT4.size + letters]
-            return name.endswith(b"\0") and name[:-1].isalnum()
-    return False
+        number, what = kind // 10 % 100, kind % 10
+        known = kind // 1000 == machine and number < len(_MAT4_NUMBERS) and what < _MAT4_KINDS
+        sizes = rows < 2**31 and columns < 2**31 and imaginary in (0, 1) and 1 < letters <= _MAT4_NAME
+        start = _MAT4.size + letters
+        name = head[_MAT4.size : start]
+        if known and sizes and re.fullmatch(rb"[A-Za-z]\w*\0", name):
+            dtype = order + _MAT4_NUMBERS[number]
+            return Mat4(dtype, what, rows, columns, imaginary == 1, name[:-1].decode(), start)
+    return None
 
 
 def is_bag(head: bytes) -> bool:

@@ -11,6 +11,7 @@ import math
 import struct
 import zlib
 from collections.abc import Iterator, Mapping
+from itertools import islice
 from pathlib import Path
 from typing import IO, Any, NamedTuple
 
@@ -30,6 +31,8 @@ _CELL, _STRUCT, _OBJECT, _CHAR, _SPARSE = range(1, 6)  # array types, Table 1-3;
 _NUMBERS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
 _TEXTS = {4: "utf-16", 17: "utf-16", 18: "utf-32"}  # data types of characters; the others hold bytes
 _MOST_STRUCTS = 1000  # of an array: runs or joints of a log are fewer
+_OPAQUE = 17  # an object of a class; its name, that of what keeps it and the class's
+_UNNAMED = "(unnamed)"
 _KINDS = {_CHAR: "text", _CELL: "cells", _SPARSE: "a sparse matrix"}
 
 
@@ -47,6 +50,7 @@ class _Reader:
         self.budget = budget
         self.columns: dict[str, FloatArray] = {}
         self.broken: dict[str, str] = {}
+        self.objects: list[str] = []
         self.document: Mapping[str, Any] | None = None
 
     def read(self, data: memoryview) -> None:
@@ -83,15 +87,21 @@ class _Reader:
         parts = self.elements(data)
         flags = int(self.numbers(next(parts))[0])
         kind, is_complex = flags & 0xFF, bool(flags & 0x0800)
-        dimensions = next(parts)
         label = parent
+        if kind == _OPAQUE:
+            name, _, what = (bytes(part.data).decode("utf-8", "replace") for part in islice(parts, 3))
+            self.refuse(parent or name or _UNNAMED, f"an object of {what}")
+            return
+        dimensions = next(parts)
         if dimensions.kind not in (_INT32, _UINT32):  # some writers take the unsigned
-            self.refuse(label or "(unnamed)", "an object")
+            self.refuse(label or _UNNAMED, "an object")
             return
         shape = [int(n) for n in self.numbers(dimensions)]
         label = label or bytes(next(parts).data).decode("utf-8", "replace")
         if parent:
             next(parts)
+        elif not label:
+            return  # what objects keep for themselves
         count = math.prod(shape)
         if kind == _STRUCT and 0 < count <= _MOST_STRUCTS:
             width = max(1, int(self.numbers(next(parts))[0]))
@@ -126,7 +136,11 @@ class _Reader:
         return document if isinstance(document, dict) else None
 
     def refuse(self, label: str, what: str) -> None:
-        self.broken[label] = f"column {label} holds {what}, not an array of numbers; map another column"
+        way = "map another column"
+        if what.startswith("an object of "):
+            self.objects.append(label)
+            way = "take its numbers out in MATLAB, as t = out.tout, and save them"
+        self.broken[label] = f"column {label} holds {what}, not an array of numbers; {way}"
 
 
 def read_mat5(path: Path, max_bytes: int) -> Table:
@@ -137,6 +151,8 @@ def read_mat5(path: Path, max_bytes: int) -> Table:
         raise InputError(f"{path}: the MATLAB header is cut short; copy the file again")
     reader = _Reader(str(path), order, Budget(str(path), len(raw), max_bytes).held())
     reader.read(raw[128:])
+    if reader.objects and not reader.columns and reader.document is None:
+        raise InputError(f"{path}: {reader.broken[reader.objects[0]]}")
     return Table(str(path), "MATLAB 5 .mat", reader.columns, reader.broken, reader.document)
 
 

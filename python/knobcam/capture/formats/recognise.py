@@ -13,23 +13,30 @@ from ...base.said import Advice, said
 from ...errors import InputError
 from ..finding import Finding
 from .columnmap import TARGETS, Entry
-from .header import Label, parts_in, read_label
+from .header import Label, bracketed, parts_in, read_label
 from .loggers import LOGGERS, simplefoc
 from .table import Table
-from .units import COUNTS, GIVEN, SI, Coordinate
+from .units import COUNTS, GIVEN, SI, Coordinate, fits, to_si
 
 _UNIT_ALONE = {"current": "A", "voltage": "V", "duty": "duty"}
 """What may stand for a torque where no column is one, and its unit where none is said."""
 
+_DERIVED = ("omega", "alpha")
 _NEEDED = {"theta": "an angle", "tau": "a torque"}
 _UNNAMED = "no column"
 _FAR = 2000.0  # of an angle: what runs further is not in rad
 _SLOWEST_S = 0.5  # between two samples of a log of motion: longer is another unit
 _SAME = 0.05  # of how far a position goes, by which what was asked differs from what was done
+_VELOCITY = 0.8  # correlation with how a position changes, of its velocity: read at other times it had 0.87
 _COMPARED = 20  # columns, each with each
 _MOST_NAMES = 1000  # of columns: what has more is no log
+_FEW = 100  # times as many rows as an array has, from which on that holds parameters beside a log
+_SEEN = 10  # rows: of fewer anything may go up by 1
+_COUNTS_UP = 0.99  # of the steps of a column that are 1, from which on it counts: rows, or ms at 1 kHz
 PLACEHOLDER = "COUNTS"
 """Stands in a map that a message shows for a number that no log says: the counts of a turn."""
+UNKNOWN = "UNIT"
+"""The same for a unit of time that no name says."""
 _SLIDE = {"theta": ("x", "m"), "omega": ("v", "m/s"), "alpha": ("a", "m/s^2"), "tau": ("F", "N")}
 """Letters that a linear axis has in textbooks; that they are meant so is for the user to say."""
 _SIMPLE_NAME = re.compile(r"[A-Za-z_][\w.]*")
@@ -63,7 +70,9 @@ def recognise(table: Table, coordinate: Coordinate | None) -> Recognised | None:
     """
     if (monitor := simplefoc(table)) is not None:
         raise ask(table, f"a SimpleFOC monitor, which has no torque and no clock: {monitor}", monitor.entries)
-    names = [*(name for name, column in table.columns.items() if column.ndim), *table.broken]
+    rows = max((column.size for column in table.columns.values()), default=0)
+    names = [name for name, column in table.columns.items() if column.ndim and _FEW * column.size > rows]
+    names += table.broken
     if len(names) > _MOST_NAMES:
         return None
     logger = next((one for one in LOGGERS if one.known(set(names))), None)
@@ -81,13 +90,17 @@ def recognise(table: Table, coordinate: Coordinate | None) -> Recognised | None:
         }
     silent = [name for name in table.columns if name not in labels or labels[name].quantity is None]
     if doubts and "t" not in entries:  # for the map that is shown
-        clock = next((name for name in silent if _advances(table.columns[name])), None)
+        clock = next((name for name in silent if _is_clock(table.columns[name])), None)
         if clock is not None:
             entries["t"] = Entry(f"`{clock}`", None)
             silent.remove(clock)
+    silent = [name for name in silent if not _counts_rows(table.columns[name])]
     doubts |= _clock(table, entries)
     if len(lacking := [one for one in _NEEDED if one not in entries]) == len(silent) == 1:
         entries[lacking[0]] = Entry(f"`{silent[0]}`", None)
+    if doubts and "theta" in entries and entries["theta"].unit == COUNTS:
+        # A velocity that says no unit beside counts is a register, of which nobody knows what it counts.
+        entries = {target: one for target, one in entries.items() if target not in _DERIVED or one.unit}
     if doubts:
         raise ask(table, next(doubts[one] for one in ("theta", "tau", *TARGETS) if one in doubts), entries)
     taken = ", ".join(_taken(name, entry, coordinate) for name, entry in entries.items())
@@ -112,6 +125,9 @@ def _chosen(table: Table, labels: dict[str, Label]) -> tuple[dict[str, Entry], d
         found = [name for name, label in labels.items() if label.quantity == quantity]
         found = [name for name in found if name in table.columns] or found
         found = [name for name in found if labels[name].joint is None] or found
+        if target == "tau" and "theta" in entries:
+            axis = _axis("theta", entries["theta"].unit)
+            found = [one for one in found if _axis("tau", labels[one].unit) in (None, axis)] or found
         plain = [name for name in found if labels[name].plain]
         if not found:
             if target in _NEEDED:
@@ -121,6 +137,8 @@ def _chosen(table: Table, labels: dict[str, Label]) -> tuple[dict[str, Entry], d
         entries[target] = Entry(f"`{name}`", labels[name].unit or _UNIT_ALONE.get(quantity))
         if len(found) > 1 and (target != "t" or len(plain) != 1):  # beside the time there may be a loop's
             doubts[target] = f"{_listed(found)} could each be {target}"
+            if target == "theta" and _counted(table, entries[target]):
+                entries[target] = Entry(f"`{name}`", COUNTS)
         elif target == "tau" and parts_in(name) is not None:
             doubts[target] = f"{name!r} is in parts of what the drive is rated for"
         elif quantity == "current" and labels[name].unit is None:
@@ -140,6 +158,11 @@ def _chosen(table: Table, labels: dict[str, Label]) -> tuple[dict[str, Entry], d
     return entries, doubts
 
 
+def _axis(target: str, unit: str | None) -> Coordinate | None:
+    """Return the axis whose unit it is, None where both have it or nobody knows."""
+    return to_si(target, unit).coordinate if unit is not None and fits(target, unit) else None
+
+
 def by_content(table: Table) -> dict[str, Entry]:
     """Return a map for columns whose names say nothing: a clock advances evenly, counts run far.
 
@@ -149,9 +172,10 @@ def by_content(table: Table) -> dict[str, Entry]:
     names = [name for name, column in table.columns.items() if column.size == longest and longest > 1]
     names = names[:_MOST_NAMES]
     clock = next((name for name in names if _label(table, name).quantity == "t"), None)
-    clock = clock or next((name for name in names if _advances(table.columns[name])), None)
-    others = [name for name in names if name != clock]
+    clock = clock or next((name for name in names if _is_clock(table.columns[name])), None)
+    others = [name for name in names if name != clock and not _counts_rows(table.columns[name])]
     entries = {} if clock is None else {"t": Entry(f"`{clock}`", _label(table, clock).unit)}
+    _clock(table, entries)
     if {"x", "F"} <= set(others):
         return entries | {
             name: Entry(f"`{one}`", unit) for name, (one, unit) in _SLIDE.items() if one in others
@@ -166,6 +190,11 @@ def by_content(table: Table) -> dict[str, Entry]:
         theta = max(alike, key=lambda name: _rough(table.columns[name], 2))
         entries["theta"] = Entry(f"`{theta}`", _label(table, theta).unit)
         others = [name for name in others if name not in alike]
+        omega = max(few, key=lambda name: _goes_with(table.columns[theta], table.columns[name]))
+        derived = _goes_with(table.columns[theta], table.columns[omega]) > _VELOCITY
+        if derived and omega in others and len(others) > 1:  # the last one left has to be the torque
+            entries["omega"] = Entry(f"`{omega}`", _label(table, omega).unit)
+            others.remove(omega)
     if others:
         # A position is the integral of what moves it: the torque is what changes most from row to row.
         torque = max(others, key=lambda name: _rough(table.columns[name]))
@@ -177,12 +206,19 @@ def by_content(table: Table) -> dict[str, Entry]:
     return entries
 
 
-def _advances(column: FloatArray) -> bool:
-    if column.size < 2:
+def _is_clock(column: FloatArray) -> bool:
+    """Whether a column goes on evenly, and is not the number of its row, which says nothing of time."""
+    if column.size < 2 or (_counts_rows(column) and column[0] in (0.0, 1.0)):
         return False
     with np.errstate(all="ignore"):
         steps = np.diff(column)
         return bool(np.all(steps > 0.0) and np.std(steps) < np.mean(steps))
+
+
+def _counts_rows(column: FloatArray) -> bool:
+    """Whether a column goes up by 1 from row to row, as a counter does and no angle."""
+    with np.errstate(all="ignore"):
+        return column.size >= _SEEN and bool(np.mean(np.diff(column) == 1.0) >= _COUNTS_UP)
 
 
 def _rough(column: FloatArray, order: int = 1) -> float:
@@ -196,6 +232,15 @@ def _follow(a: FloatArray, b: FloatArray) -> bool:
     """Whether two columns are the same but for a twentieth of how far they go."""
     finite = np.isfinite(a) & np.isfinite(b)
     return bool(finite.any()) and bool(np.std(a[finite] - b[finite]) <= _SAME * np.std(b[finite]))
+
+
+def _goes_with(position: FloatArray, column: FloatArray) -> float:
+    """How far a column goes as a position changes: 1 for its velocity in whatever unit, if without noise."""
+    steps = np.gradient(position)
+    known = np.isfinite(steps) & np.isfinite(column)
+    if not (known.any() and np.ptp(steps[known]) > 0.0 and np.ptp(column[known]) > 0.0):
+        return 0.0
+    return float(np.corrcoef(steps[known], column[known])[0, 1])
 
 
 def _counted(table: Table, entry: Entry) -> bool:
@@ -228,6 +273,13 @@ def _clock(table: Table, entries: dict[str, Entry]) -> dict[str, str]:
         steps = steps[np.isfinite(steps) & (steps > 0.0)]
     if not steps.size or (step := float(np.median(steps))) < _SLOWEST_S:
         return {}
+    stated = bracketed(entry.column)
+    if stated and fits("t", stated):  # a unit that headers seldom have
+        entries["t"] = Entry(entry.expression, stated)
+        return {}
+    if stated:
+        entries["t"] = Entry(entry.expression, UNKNOWN)
+        return {"t": f"{entry.column!r} is in [{stated}], which is no unit of time"}
     unit = "ms" if step < 50.0 else "us" if step < 5e4 else "ns"
     entries["t"] = Entry(entry.expression, unit)
     return {"t": f"{entry.column!r} has no unit and advances by {step:.4g} a row"}
@@ -262,6 +314,8 @@ def _mapped(entry: Entry) -> tuple[str, str]:
     if entry.unit == COUNTS:
         note = f"{PLACEHOLDER}: the number in a turn, as in {text}/8192 [turn]"
         return f"{text}/{PLACEHOLDER} [turn]", note
+    if entry.unit == UNKNOWN:
+        return f"{text} [{UNKNOWN}]", f"{UNKNOWN}: what it counts in, as in [ms]"
     parts = parts_in(name) if entry.plain else None
     if parts is not None:
         unit = "A" if read_label(name).quantity == "current" else "N m"

@@ -11,11 +11,11 @@ from ...base.arrays import FloatArray
 from ...base.said import Advice, said
 from ...errors import InputError
 from ..finding import Finding
-from .columnmap import TARGETS, ColumnMap, Entry, parse_map
+from .columnmap import TARGETS, ColumnMap, Entry, lacking, parse_map
 from .expression import evaluate
-from .header import parts_in, read_label
+from .header import bracketed, parts_in, read_label, without_brackets
 from .merged import at_one_time
-from .recognise import PLACEHOLDER, ask, by_content, recognise
+from .recognise import PLACEHOLDER, Unclear, ask, by_content, recognise
 from .table import Table
 from .units import GIVEN, SI, Coordinate, fits, is_unit, to_si
 
@@ -30,8 +30,6 @@ CONTRACT: dict[Coordinate, dict[str, str]] = {
     "linear": {"t": "t_s", "theta": "theta_m", "omega": "omega_m_s", "alpha": "alpha_m_s2", "tau": "tau_N"},
 }
 """Column names that are understood without a map, by coordinate and column of a capture."""
-_IN_BRACKETS = re.compile(r"\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))\s*$")
-"""The unit at the end of a column's name."""
 _WORDS = re.compile(r"[A-Za-z_][\w.]*(\s+[\w.]+)+")
 """What is no expression, and can only have been meant as a name."""
 
@@ -62,7 +60,7 @@ def resolve(table: Table, column_map: ColumnMap | None, coordinate: Coordinate |
         raise InputError(f"coordinate={coordinate!r} is unknown; choose rotary or linear")
     notes: tuple[Finding, ...] = ()
     if column_map is not None:
-        entries, notes = _by_map(table, parse_map(column_map), coordinate)
+        entries, notes = _completed(table, parse_map(column_map), coordinate)
     elif (found := _by_contract(table, coordinate)) is not None:
         entries, coordinate = found
     else:
@@ -101,12 +99,41 @@ def resolve(table: Table, column_map: ColumnMap | None, coordinate: Coordinate |
 def _without_unit(table: Table, entry: Entry) -> Entry:
     """Return an entry by the whole name of the column that it names without its unit, if it is one."""
     name = entry.expression.strip("`")
-    same = [column for column in table.columns if _IN_BRACKETS.sub("", column) == name]
+    same = [column for column in table.columns if without_brackets(column) == name]
     if len(same) == 1:
         return Entry(f"`{same[0]}`", entry.unit)
     if _WORDS.fullmatch(name):
         table.column(name)  # says which there are
     return entry
+
+
+def _completed(
+    table: Table, given: dict[str, Entry], coordinate: Coordinate | None
+) -> tuple[dict[str, Entry], tuple[Finding, ...]]:
+    """Return the entries of a map, and where it says of one column alone what it is, the others by name.
+
+    Who knows that an effort is a current says so, and no more.
+    """
+    if (target := lacking(given)) is None:
+        return _by_map(table, given, coordinate)
+    entries, notes = _by_map(table, given, coordinate)
+    rest: dict[str, Entry] = {}
+    if (found := _by_contract(table, coordinate)) is not None:
+        rest = found[0]
+    else:
+        try:
+            recognised = recognise(table, coordinate)
+            rest = recognised.entries if recognised else by_content(table)
+        except Unclear as unclear:
+            raise ask(table, f"map: {target} is missing", unclear.entries | entries) from None
+        if recognised is None or target not in rest:
+            raise ask(table, f"map: {target} is missing", rest | entries)
+    added = {name: one for name, one in rest.items() if name not in entries}
+    taken = ", ".join(f"{name} = {one.column}" for name, one in added.items())
+    words = said("columns: {taken}, by their names beside the map", taken=taken)
+    advice = Advice("a map says otherwise", "columns")
+    note = Finding("columns", "theta", len(added), (), words, "note", advice)
+    return rest | entries, (*notes, note)
 
 
 def _by_map(
@@ -169,8 +196,7 @@ def _unit_of(table: Table, column: str) -> str | None:
 
     Else that which the file states beside the name.
     """
-    behind = _IN_BRACKETS.search(column)
-    said = read_label(column).unit or (behind and (behind[1] or behind[2]))
+    said = read_label(column).unit or bracketed(column)
     return said or table.units.get(column)
 
 

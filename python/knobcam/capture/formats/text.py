@@ -181,11 +181,16 @@ def _units_below(header: str, line: str) -> list[str] | None:
     """Return the units in a line below the header, blank for a column without; None where it holds others."""
     delimiter = _delimiter(line)
     names, cells = _cells(header, delimiter), _cells(line, delimiter)
-    units = [cell.strip("()[]{} ") for cell in cells]
-    known = all(unit in ("", "-") or spelled_out(unit) for unit in units)
-    if len(names) != len(cells) or not any(units) or not known or any(map(_is_number, cells)):
+    if len(names) != len(cells) or not any(cells) or any(map(_is_number, cells)):
         return None
-    return ["" if unit == "-" else unit for unit in units]
+    units = ["" if cell == "-" else cell.strip("()[]{} ") for cell in cells]
+    told = [unit for unit in units if unit]
+    strange = [unit for unit in told if not spelled_out(unit)]
+    # Names are unique where units come again; what of these nobody knows is said where it is asked for.
+    repeated = len(set(names)) == len(names) and len(set(told)) < len(told)
+    if strange and not (repeated and 2 * len(strange) <= len(told)):
+        return None
+    return units
 
 
 def _named_each(cells: list[str]) -> list[str] | None:

@@ -35,6 +35,8 @@ _SPELLINGS = {
         "ms": "ms msec millis milliseconds",
         "us": "us µs μs usec micros microseconds",
         "ns": "ns nsec nanos nanoseconds",
+        "min": "minutes minute mins",  # `min` itself ends the name of a least value; in brackets see header
+        "h": "hours hour hrs",
         "rad": "rad rads radian radians",
         "mrad": "mrad",
         "deg": "deg degs degree degrees °",
@@ -59,6 +61,7 @@ _SPELLINGS = {
         "mN m": "mnm mn_m mn*m mn·m mn.m",
         "uN m": "unm µnm μnm",
         "N cm": "ncm n_cm n*cm",
+        "N mm": "nmm n_mm n*mm n·mm n.mm n-mm",
         "kN m": "knm",
         "N": "n newton newtons",
         "mN": "mn",

@@ -14,7 +14,7 @@ from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import Coordinate
 from .dead import check_dead
 from .garbage import check_garbage
-from .held import check_held, held
+from .held import check_differenced, check_held, held
 from .late import check_late
 from .let_go import check_let_go
 from .motion import check_few_values, check_stuck, check_wrapped
@@ -132,6 +132,8 @@ def _check(
     _check_left(mask, findings, source)
     clipped, found = check_clipping(present["tau"], present["theta"], mask, rows, limit)
     clipped = ruled.masks(clipped, found, rows)
+    if ruled.lets(found := check_differenced(present, mask, rows)) and found:
+        del present["omega"]
     ruled.lets(check_held(present, mask, rows))
     for name in ("theta", "omega", "alpha", "tau"):
         if name in present:

@@ -12,6 +12,7 @@ from .ruled import Ruled
 
 _LEAST = 0.3  # of the rows that repeat, below which nothing is held
 _ALONE = 0.8  # of the steps that stand alone between repeats: a knob that moves and rests has them in a row
+_NOTHING = 0.95  # of the rows that repeat an angle, in which a velocity that was computed from it is none
 _COARSE = 3.0  # smallest steps in the usual one, below which it is the counts of an encoder that are seen
 _FEWEST = 20  # steps
 _REGULAR = 0.8  # of the holds that are the usual one, above which all are
@@ -73,6 +74,35 @@ def check_held(columns: dict[str, FloatArray], usable: BoolArray, rows: Rows) ->
         )
         findings.append(Finding("held", name, len(at), spans(at), found, "mended"))
     return findings
+
+
+def check_differenced(columns: dict[str, FloatArray], usable: BoolArray, rows: Rows) -> list[Finding]:
+    """Return that a velocity was computed from row to row of an angle that is read more slowly.
+
+    It is nothing wherever the angle repeats its reading, and too large where a new one comes: the mean of a
+    stretch may be right, or be off by how many rows there are to a reading. The angle says all of it.
+    """
+    if "omega" not in columns:
+        return []
+    theta, omega = columns["theta"][usable], columns["omega"][usable]
+    with np.errstate(invalid="ignore"):
+        same = np.concatenate(([False], np.diff(theta) == 0.0))
+    fresh, still = np.flatnonzero(~same), omega == 0.0
+    if len(fresh) < _FEWEST or np.count_nonzero(same) < _LEAST * len(theta):
+        return []
+    # Of a knob that moves and rests new readings stand in a row, and there is no velocity at rest.
+    alone = np.append(same, True)[fresh + 1]
+    if alone.mean() < _ALONE or still[same].mean() < _NOTHING or still[fresh].mean() > 1.0 - _NOTHING:
+        return []
+    at = rows[usable][same & still]
+    found = said(
+        "{omega}: nothing in {count} rows in which {theta} repeats its reading, and too much in the others: "
+        "it was computed row by row of a {theta} that is read more slowly; left out, since {theta} says it",
+        omega=OfColumn("omega"),
+        theta=OfColumn("theta"),
+        count=len(at),
+    )
+    return [Finding("held", "omega", len(at), spans(at), found, "mended")]
 
 
 def read_apart(columns: dict[str, FloatArray], rows: Rows, ruled: Ruled) -> BoolArray:

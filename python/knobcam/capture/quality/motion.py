@@ -87,14 +87,15 @@ def ratio(
     no derivative of a noisy angle is taken. The median over windows with much motion makes the ratio, None
     when it cannot be judged.
     """
+    # What lies between rows that count is bridged like what lies between rows: every third may be masked.
+    t, theta, column = t[usable], theta[usable], column[usable]
     dt = np.diff(t)
-    broken = ~(usable[1:] & usable[:-1])
-    usual = quantile(dt[~broken], 0.5) if not broken.all() else 0.0
+    usual = quantile(dt, 0.5) if len(dt) else 0.0
     if usual <= 0.0:
         return None, False
-    broken |= ~(dt < 3.0 * usual)
+    broken = ~(dt < 3.0 * usual)
     holes = np.concatenate(([0], np.cumsum(broken)))
-    integral = np.where(usable, column, 0.0)
+    integral = column
     for _ in range(order):
         area = np.where(broken, 0.0, 0.5 * (integral[1:] + integral[:-1]) * dt)
         integral = np.concatenate(([0.0], np.cumsum(area)))

@@ -167,7 +167,7 @@ def _likely(
     if not _NAMED[0] <= times / factor <= _NAMED[1]:
         gear = _GEARS[0] < times < _GEARS[1]
         side = ", or take both from one side of the gear" if gear else ""
-        return size, Advice(f"check the units in the map{side}", "unit")
+        return size, Advice(f"check the units in the map and the rate{side}", "unit")
     else_ = said(" (or {t} is not in s)") if theta_too else ""
     return said(
         "{size}: near {factor:.4g}, so {reason}{or_}", size=size, factor=factor, reason=reason, or_=else_
