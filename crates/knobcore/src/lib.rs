@@ -10,6 +10,8 @@ pub mod random;
 pub mod scalar;
 pub mod special;
 
+pub mod threads;
+
 mod algebra;
 mod fourier;
 mod order;

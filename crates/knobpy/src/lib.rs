@@ -34,7 +34,7 @@ fn instruction_set() -> PyResult<&'static str> {
 /// Let the work of this process have at most so many threads from now on.
 #[pyfunction]
 fn at_most(threads: usize) {
-    knobcore::diagnose::at_most(threads);
+    knobcore::threads::at_most(threads);
 }
 
 #[pymodule]

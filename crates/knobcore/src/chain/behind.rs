@@ -8,6 +8,7 @@ use crate::isa;
 use crate::model::Model;
 use crate::motion::Channel;
 use crate::scalar::{Packed, Scalar, Wide};
+use crate::threads::share;
 
 /// Torque and derivatives on the shaft; what the columns held is replaced.
 pub(super) fn loads(
@@ -91,9 +92,11 @@ fn knobs(model: &Model, p: &[f64], columns: &[Option<usize>], substeps: usize, o
         behind.simulate(p, |at| own.at(at), |at, tau: f64| torque[at] = tau);
         return;
     }
-    for (group, few) in slopes.chunks_mut(CARRIED).enumerate() {
-        behind.carry(p, group * CARRIED, over.torque, few);
-    }
+    // Each group is followed with the torque; that of the first is kept.
+    let mut others = vec![vec![0.0; over.torque.len()]; slopes.len().div_ceil(CARRIED) - 1];
+    let torques = std::iter::once(&mut *over.torque).chain(others.iter_mut().map(Vec::as_mut_slice));
+    let groups = slopes.chunks_mut(CARRIED).zip(torques).enumerate().collect();
+    share(groups, |(group, (few, torque))| behind.carry(p, group * CARRIED, torque, few));
 }
 
 /// The motion of the hidden knob along a shaft's: angle, speed and acceleration at each sample. Functions of a user's

@@ -41,7 +41,7 @@ pub use pairs::{Pair, pairs};
 pub use rest::{Region, Split};
 pub use sets::{Set, sets};
 pub use verdict::{Evidence, Judgement, State, at_floor, complete, exact, judge};
-pub use watch::{Tell, at_most};
+pub use watch::Tell;
 
 pub(crate) use thinned::Thinned;
 pub(crate) use watch::Watch;

@@ -1,19 +1,12 @@
 //! Long work as the one who waits for it sees it: how far it is, and an end to it when it is no longer wanted.
 
+use crate::threads::share;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Who waits is not asked more often than this: an answer may take a lock that others need.
 const APART: Duration = Duration::from_millis(20);
-
-/// Threads that share some work: more than these gain nothing.
-static MOST: AtomicUsize = AtomicUsize::new(8);
-
-/// Lets work have at most so many threads from now on, in all of this process: where each process of several has a core.
-pub fn at_most(threads: usize) {
-    MOST.store(threads.max(1), Ordering::Relaxed);
-}
 
 /// Told the share that is done, 0 to 1, from any thread; answers whether the rest is still wanted.
 pub type Tell<'a> = dyn Fn(f64) -> bool + Sync + 'a;
@@ -57,27 +50,14 @@ impl<'a> Watch<'a> {
     /// Does the same with each of some things, as many at a time as there are processors, as long as it is wanted. The
     /// results are in the order of the things, whichever was done first: sums of them round alike each time.
     pub fn each<T: Sync, R: Send>(&self, things: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
-        let next = AtomicUsize::new(0);
         let done = Mutex::new(Vec::new());
-        let worker = || {
-            loop {
-                let at = next.fetch_add(1, Ordering::Relaxed);
-                let Some(thing) = things.get(at).filter(|_| self.wanted()) else { break };
+        share(things.iter().enumerate().collect(), |(at, thing)| {
+            if self.wanted() {
                 let result = work(thing);
-                if let Ok(mut done) = done.lock() {
-                    done.push((at, result));
-                }
+                done.lock().unwrap_or_else(PoisonError::into_inner).push((at, result));
             }
-        };
-        let workers =
-            std::thread::available_parallelism().map_or(1, usize::from).min(MOST.load(Ordering::Relaxed));
-        std::thread::scope(|scope| {
-            for _ in 1..workers.min(things.len()) {
-                scope.spawn(worker);
-            }
-            worker();
         });
-        let mut done = done.into_inner().unwrap_or_default();
+        let mut done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
         done.sort_by_key(|(at, _)| *at);
         done.into_iter().map(|(_, result)| result).collect()
     }
