@@ -45,7 +45,8 @@ def proposed(gain: float, complexity: int, se: float, label: str = "", part: boo
     low = -1.0 if part else 0.5
     params = {"a": Estimate(1.0, (low, 2.0), "N m", se)}
     own = label or f"a^{complexity}"
-    return SimpleNamespace(gain=gain, complexity=complexity, variables=("omega",), params=params, label=own)
+    known = {"gain": gain, "score": gain, "complexity": complexity, "params": params, "label": own}
+    return SimpleNamespace(**known, variables=("omega",))
 
 
 @pytest.mark.parametrize(
@@ -57,6 +58,8 @@ def proposed(gain: float, complexity: int, se: float, label: str = "", part: boo
         # A part that may be nothing: behind what explains most of as much, before what does not.
         ([(1000.0, 15, 0.1, "b", True), (850.0, 4, 0.1), (700.0, 3, 0.1)], [1, 0, 2]),
         ([(1000.0, 15, 0.1, "b", True), (750.0, 4, 0.1)], [0, 1]),
+        # Of several that are whole and explain most of as much the best comes first.
+        ([(1000.0, 15, 0.1, "b", True), (850.0, 9, 0.1), (860.0, 4, 0.1)], [2, 0, 1]),
         # The same written anew with more words is left out, and nothing else is.
         ([(1000.0, 15, 0.1), (999.6, 4, 0.1), (998.0, 3, 0.1)], [1, 2]),
         # One formula with other constants is one law.

@@ -47,7 +47,7 @@ def implausible(candidate: Candidate, before: Fit) -> tuple[Said, ...]:
         *_below_zero(candidate, before),
         *_pushed_out(candidate, before),
         *_unseen(fit, before),
-        *_filtered_off(candidate.effect, fit),
+        *filtered_off(candidate.effect, fit),
         *(said(one, **{effect: OfEffect(effect) for effect in fit.model.catalogue()}) for one in own),
     )
 
@@ -224,7 +224,7 @@ def _unseen(fit: Fit, before: Fit) -> list[Said]:
     return [adds] if lost > max(won, 0.0) else []
 
 
-def _filtered_off(effect: str, fit: Fit) -> list[Said]:
+def filtered_off(effect: str, fit: Fit) -> list[Said]:
     """Return that the filter takes off most of the torque that an effect makes as the position changes.
 
     Its waves come faster than the filter lets pass wherever the motion is not slow; of what it says of them

@@ -194,9 +194,11 @@ def _ordered(proposals: list[tuple[Proposal, bool]]) -> tuple[Proposal, ...]:
     known = [one for one in laws if all(e.determined for e in one.params.values())]
     if any(one.gain >= most for one in known):
         laws = known
-    whole = [one for one in laws if not _in_part(one)]
-    if whole and whole[0].gain >= most:
-        laws.sort(key=lambda one: one is not whole[0])
+    whole = [one for one in laws if one.gain >= most and not _in_part(one)]
+    if whole:
+        # The best for its parameters: the search's order is of laws that were fitted alone.
+        best = max(whole, key=lambda one: one.score)
+        laws.sort(key=lambda one: one is not best)
     return tuple(laws)
 
 

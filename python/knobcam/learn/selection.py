@@ -6,17 +6,17 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from ..base.said import OfEffect, said
+from ..base.said import OfEffect, number, said
 from ..base.said import joined as in_words
 from ..capture.prepare import travel
 from ..fit.absent import absent
 from ..fit.diagnose import Candidate, Diagnosis, diagnose, worth_adding
 from ..fit.doubts import at_bounds
-from ..fit.plausible import columns_at_fault, friction_drives
+from ..fit.plausible import columns_at_fault, filtered_off, friction_drives
 from ..fit.refit import converged, drop, gain, needed, needless, with_clipped
 from ..fit.rule import RULE
 from ..fit.uncounted import uncounted
-from ..fit.verdict import judged, within_law
+from ..fit.verdict import CHOSEN, judged, within_law
 from ..model.effects import base_effects_shown, clipping, descriptions
 from .cut import Cut, Deadline, OutOfTime
 from .exchanged import anew, exchanged, straightened, with_detents, with_other_detents
@@ -224,7 +224,32 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
         found, unexplained = (), Unexplained("load", 1.0, wrong)
     if unexplained is None and (beyond := end.beyond) is not None:
         unexplained = Unexplained(beyond.axis, beyond.share, beyond.words)
+    if unexplained is None and (fast := _out_of_sight(last)) is not None:
+        words = said(
+            "{effect} would take {fall} off it, in waves of which the torque filter lets too little pass",
+            effect=OfEffect(fast.effect),
+            fall=number(100.0 * fast.error_fall, "%", ".1f"),
+        )
+        found = tuple(one for one in found if one in mainly)
+        unexplained = Unexplained("position", last.comparison["position"].share, words)
     return Selection(tuple(ladder), found, last, unexplained)
+
+
+def _out_of_sight(last: Diagnosis) -> Candidate | None:
+    """Return what would come in, but for the filter that took off most of what it would make.
+
+    It is not named then, and what came in without it is not all that there is.
+    """
+
+    def fast(one: Candidate) -> bool:
+        return len(one.implausible) == 1 and [*one.implausible] == filtered_off(one.effect, one.fit)
+
+    ruled_out = {one.effect for one in last.candidates if fast(one)}
+    if not ruled_out:
+        return None
+    weighed = [replace(one, implausible=()) if one.effect in ruled_out else one for one in last.candidates]
+    best = next((one for one in judged(last.comparison, weighed) if one.word in CHOSEN), None)
+    return best if best is not None and best.effect in ruled_out else None
 
 
 def _cut_short(ladder: list[LearningStep], cut: Cut, *, given: bool) -> Selection:
