@@ -97,7 +97,7 @@ def test_of_what_a_ladder_says_in_the_end(monkeypatch: pytest.MonkeyPatch) -> No
             fit = whole(rng, fit, came[: number + 1] if rng.random() < 0.9 else came[:number])
             before = Looked(**vars(comparison(rng, fit)))
             ladder.append(LearningStep(fit, effect, diagnosis=SimpleNamespace(comparison=before)))  # type: ignore[arg-type]
-        last: Any = SimpleNamespace(comparison=Looked(**vars(comparison(rng, fit))))
+        last: Any = SimpleNamespace(comparison=Looked(**vars(comparison(rng, fit))), candidates=())
         if fit.noise_floor == 0.0:
             fit.noise_floor = 1e-3
         found = selection.concluded(ladder, last, one_of(rng, ("inertia",), ("inertia", "stribeck")))
