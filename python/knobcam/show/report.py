@@ -119,7 +119,11 @@ def _untold(learned: LearningResult) -> str:
     for name, why in fit.undetermined.items():
         why_not.setdefault(with_params(why, fit.params, kind), []).append(param_word(name, kind))
     said += [f"{and_words(names)}: {why}" for why, names in why_not.items()]
-    return bullets(said) if said else paragraph("Nothing that was asked of them.")
+    return (
+        bullets(said)
+        if said
+        else paragraph("Nothing: what was weighed is told apart, and every value is determined.")
+    )
 
 
 def _next(learned: LearningResult) -> str:
