@@ -27,6 +27,8 @@ pub fn converge(data: &[&Signals], model: &Model) -> Result<Fit> {
 
 fn descended(data: &[&Signals], model: &Model) -> Result<Fit> {
     let strode = |model: &Model| strode(data, model, Floor::of(data, model).squares);
+    // Without surfaces that meet and part there are no dents to be led out of.
+    let knocks = model.joint(&model.values()).is_some_and(|joint| !joint.welded);
     // What a search has followed is near its end: a descent before the strides and one after them were one too many.
     let mut ended = near(squares(data, model), Floor::of(data, model).squares);
     let mut best = if ended { strode(model)? } else { refine(data, model)? };
@@ -35,7 +37,7 @@ fn descended(data: &[&Signals], model: &Model) -> Result<Fit> {
         if before <= rule().converged * best.noise_floor {
             break;
         }
-        if let Some(other) = slowly(data, &best.model) {
+        if knocks && let Some(other) = slowly(data, &best.model) {
             best = lower(best, refine(data, &other));
             ended = false;
         }

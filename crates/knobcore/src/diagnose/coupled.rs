@@ -112,13 +112,18 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool) -> Vec<Ways
     let mut fine = watch.each(first, |(of, (model, _))| (*of, on(model, |m| sketch(data, m))));
     let used = data.iter().map(|one| one.used() as f64).sum::<f64>();
     let least = |ends: &Ends| ends.iter().map(|(_, (_, found))| found.cost).fold(f64::INFINITY, f64::min);
-    let within = (least(&fine) / used).sqrt();
+    let within = (RIVAL * least(&fine) / used).sqrt();
     fine.extend(watch.each(rest, |(of, (model, _))| (*of, on(model, |m| sketch_within(data, m, within)))));
     // What was followed no further is told by where the best leads it.
     let beaten = |found: Found| Found { cost: f64::INFINITY, ..found };
     fine.extend(worse.into_iter().map(|(of, (model, found))| (of, (model, beaten(found)))));
-    let within = (least(&fine) / used).sqrt();
+    let within = (RIVAL * least(&fine) / used).sqrt();
+    let lowest = least(&fine);
     fine.extend(crossed(&fine, watch, |model| sketch_within(data, model, within)));
+    if least(&fine) < lowest {
+        // What went on from the best end is better: that one goes on from there.
+        fine.extend(crossed(&fine, watch, |model| sketch_within(data, model, within)));
+    }
     fine.retain(|(_, (_, found))| found.cost.is_finite());
     led(&mut ways, fine);
     ways
