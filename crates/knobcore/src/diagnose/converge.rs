@@ -26,12 +26,12 @@ pub fn converge(data: &[&Signals], model: &Model) -> Result<Fit> {
 }
 
 fn descended(data: &[&Signals], model: &Model) -> Result<Fit> {
-    let strode = |model: &Model| strode(data, model, Floor::of(data, model).squares);
+    let floor = Floor::of(data, model).squares;
     // Without surfaces that meet and part there are no dents to be led out of.
     let knocks = model.joint(&model.values()).is_some_and(|joint| !joint.welded);
     // What a search has followed is near its end: a descent before the strides and one after them were one too many.
-    let mut ended = near(squares(data, model), Floor::of(data, model).squares);
-    let mut best = if ended { strode(model)? } else { refine(data, model)? };
+    let mut ended = near(squares(data, model), floor);
+    let mut best = if ended { strode(data, model, floor)? } else { refine(data, model)? };
     for _ in 0..AGAIN {
         let before = best.rmse;
         if before <= rule().converged * best.noise_floor {
@@ -42,7 +42,7 @@ fn descended(data: &[&Signals], model: &Model) -> Result<Fit> {
             ended = false;
         }
         if !ended && near(best.rmse.powi(2), best.noise_floor.powi(2)) {
-            let led = strode(&best.model);
+            let led = strode(data, &best.model, Floor::of(data, &best.model).squares);
             best = lower(best, led);
         }
         ended = true;
