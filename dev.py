@@ -35,7 +35,9 @@ ROOT = Path(__file__).resolve().parent
 WEB = ROOT / "web"
 PAGE = ROOT / "python" / "knobcam" / "workbench" / "page"
 LIBRARY = ROOT / "python" / "knobcam" / "render" / "lib"
-LIBRARIES = ("libknobstep.a", "libknobstep.so", "libknobstep.dylib", "knobstep.lib", "knobstep.dll")
+SHARED = ("libknobstep.so", "libknobstep.dylib", "knobstep.dll")
+STATIC = ("libknobstep.a", "knobstep.lib")
+BARE = ("--package", "knobstep", "--no-default-features", "--features", "bare", "--profile", "bare")
 VENV = ROOT / ".venv"
 BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
 PYTHON = BIN / ("python.exe" if os.name == "nt" else "python")
@@ -130,11 +132,13 @@ def library(folder: Path, profile: str, target: str = "", tree: Path = ROOT) -> 
     """The render step for programs in C and for simulators, which `knobcam convert` hands out."""
     only = ("--target", target) if target else ()
     run("cargo", "build", "--profile", profile, "--locked", "--package", "knobstep", *only, place=tree)
-    built = tree / os.environ.get("CARGO_TARGET_DIR", "target") / target / profile
+    # The static one asks nothing of an operating system, so that firmware can have it too.
+    run("cargo", "rustc", *BARE, "--locked", *only, "--crate-type", "staticlib", place=tree)
+    built = tree / os.environ.get("CARGO_TARGET_DIR", "target") / target
     folder.mkdir(exist_ok=True)
-    for name in LIBRARIES:
-        if (built / name).is_file():
-            shutil.copy(built / name, folder / name)
+    for made in [built / profile / name for name in SHARED] + [built / "bare" / name for name in STATIC]:
+        if made.is_file():
+            shutil.copy(made, folder / made.name)
 
 
 def demo(options: list[str]) -> None:
@@ -177,6 +181,7 @@ def lint(_: list[str]) -> None:
         *sorted((ROOT / "crates/knobcore/src/effects").glob("*.rs")),
     )
     run("cargo", "clippy", "--locked", "--workspace", "--all-targets", "--", "--deny", "warnings")
+    run("cargo", "clippy", *BARE, "--locked", "--lib", "--", "--deny", "warnings")
     run(BIN / "ruff", "check")
     run(BIN / "ruff", "format", "--check")
     run(BIN / "lint-imports", "--no-cache")

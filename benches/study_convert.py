@@ -86,7 +86,7 @@ def steps(archive: str) -> None:
         with tempfile.TemporaryDirectory() as folder:
             convert(name, "c").save(Path(folder) / "knob.h")
             (Path(folder) / "main.c").write_text(MAIN % {"steps": STEPS, "rounds": ROUNDS})
-            words = ["gcc", "-O2", "-D_POSIX_C_SOURCE=200809L", "main.c", archive, "-lm", "-lpthread", "-ldl"]
+            words = ["gcc", "-O2", "-D_POSIX_C_SOURCE=200809L", "main.c", archive]
             subprocess.run([*words, "-o", "main"], cwd=folder, check=True)
             ran = subprocess.run(
                 [Path(folder) / "main"], input=rows.tobytes(), capture_output=True, check=True

@@ -23,7 +23,6 @@ from knobcam.render.convert.mujoco import callback
 KNOBS = (*kc.KNOBS, "presliding", "backlash")
 RATE_HZ = 5000.0
 WRAPPED = [f"-Wl,--wrap={name}" for name in ("malloc", "calloc", "realloc")]
-LINK = ("-lm", "-lpthread", "-ldl")
 
 
 @cache
@@ -176,7 +175,7 @@ def test_a_program_in_c_renders_to_the_last_bit_and_takes_no_memory(name: str, t
     (tmp_path / "main.c").write_text(MAIN)
     static = library.static() or library.shared()
     strict = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Wno-overlength-strings", "-Werror")
-    words = ["gcc", *strict, "main.c", str(static), *WRAPPED, *LINK, "-o", "main"]
+    words = ["gcc", *strict, "main.c", str(static), *WRAPPED, "-o", "main"]
     subprocess.run(words, cwd=tmp_path, check=True)
     track = kc.motion("hand", 1.0)
     hand = np.where(np.arange(len(track.t)) % 3 == 0, 0.3 * friction(model), np.nan)
@@ -185,6 +184,61 @@ def test_a_program_in_c_renders_to_the_last_bit_and_takes_no_memory(name: str, t
     assert ended.stderr == b"0 0"
     exact = kc.Renderer(model, RATE_HZ).along(track.theta, track.omega, track.alpha, hand)
     assert ended.stdout == exact.tobytes()
+
+
+LAW = """
+[effects.eddy_brake]
+law = "2 a (omega/w) / (1 + (omega/w)^2)"
+a = { value = 0.01, fixed = true }
+w = { value = 3.0, unit = "rad/s", lower = 0.1, upper = 100.0, meaning = "speed at which it brakes most" }
+"""
+LITTLE = """\
+#include <stdio.h>
+#include "knob.h"
+
+int main(void) {
+    static double memory[KNOB_MEMORY / sizeof(double)];
+    char why[200];
+    if (knobcam_new(KNOB_MODEL, KNOB_RATE_HZ, 0, why, sizeof why) == NULL) { puts(why); }
+    knobcam_memory(memory, sizeof memory / 2);
+    if (knobcam_new(KNOB_MODEL, KNOB_RATE_HZ, 0, why, sizeof why) == NULL) { puts(why); }
+    for (int i = 0; i < 3; i++) {
+        knobcam_knob *knob = knob_new(0, why, sizeof why);
+        int fits = knobcam_needs(KNOB_MODEL) <= sizeof memory;
+        printf("%d %g\\n", fits, knobcam_step(knob, 0.0, 3.0, 0.0));
+        knobcam_free(knob);
+    }
+    return 0;
+}
+"""
+
+
+def test_a_program_in_c_gives_the_memory_that_the_header_says_and_with_less_is_refused(
+    tmp_path: Path,
+) -> None:
+    text = kc.Model.load("knob1").text() + LAW
+    (tmp_path / "model.toml").write_text(text)
+    convert(kc.Model.load(tmp_path / "model.toml"), "c", motion=kc.motion("hand", 0.1)).save(
+        tmp_path / "knob.h"
+    )
+    (tmp_path / "main.c").write_text(LITTLE)
+    words = ["gcc", "-O2", "-Wall", "-Werror", "main.c", str(library.static()), "-o", "main"]
+    subprocess.run(words, cwd=tmp_path, check=True)
+    said = subprocess.run([tmp_path / "main"], capture_output=True, check=True, text=True).stdout.splitlines()
+    assert said[:2] == 2 * [
+        "memory: too little is left for this model; give as much as knobcam_needs says by knobcam_memory"
+    ]
+    sliding = kc.Renderer(kc.Model.load(tmp_path / "model.toml"), RATE_HZ).along([0.0], [3.0], [0.0])[0]
+    assert said[2:] == 3 * [f"1 {sliding:g}"]
+
+
+def test_the_library_for_c_asks_nothing_of_an_operating_system() -> None:
+    listed = subprocess.run(["nm", str(library.static())], capture_output=True, check=True, text=True).stdout
+    rows = [line.split()[-2:] for line in listed.splitlines() if line and not line.endswith(":")]
+    asked = {name for kind, name in rows if kind == "U"} - {name for kind, name in rows if kind not in "Uw"}
+    # What a compiler of C brings along; `abort` and `_Unwind_Resume` are never called.
+    of_c = {"bcmp", "memcmp", "memcpy", "memmove", "memset", "strlen", "__udivti3"}
+    assert asked <= of_c | {"abort", "_Unwind_Resume"}
 
 
 @pytest.mark.parametrize("name", KNOBS)

@@ -1,6 +1,7 @@
 //! Algebra of whole columns: products, projections, orthonormal bases.
 
 use crate::isa;
+use crate::prelude::*;
 use nalgebra::DMatrix;
 use pulp::Simd;
 
@@ -55,8 +56,8 @@ pub fn products(left: &[&[f64]], right: &[&[f64]]) -> DMatrix<f64> {
             for i in (0..left.len()).step_by(high) {
                 for j in (begin..end).step_by(wide) {
                     // Where fewer are left than are done side by side, the last of them is done again.
-                    let a = std::array::from_fn(|k| &left[(i + k).min(left.len() - 1)][from..to]);
-                    let b = std::array::from_fn(|k| &right[(j + k).min(end - 1)][from..to]);
+                    let a = core::array::from_fn(|k| &left[(i + k).min(left.len() - 1)][from..to]);
+                    let b = core::array::from_fn(|k| &right[(j + k).min(end - 1)][from..to]);
                     let few = isa::dispatch_wide(Few { a, b });
                     for (k, sum) in few.iter().enumerate().take(left.len() - i) {
                         for (l, sum) in sum.iter().enumerate().take(end - j) {
@@ -98,8 +99,8 @@ impl pulp::WithSimd for Few<'_> {
             }
         }
         let rest = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        std::array::from_fn(|i| {
-            std::array::from_fn(|j| simd.reduce_sum_f64s(sums[i][j]) + rest(a[i].1, b[j].1))
+        core::array::from_fn(|i| {
+            core::array::from_fn(|j| simd.reduce_sum_f64s(sums[i][j]) + rest(a[i].1, b[j].1))
         })
     }
 }

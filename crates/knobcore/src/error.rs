@@ -1,5 +1,7 @@
 //! One error enum for the whole core; each variant names the offending thing and the way out.
 
+use crate::prelude::*;
+
 /// Everything that can be wrong with a call or its input.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
@@ -21,4 +23,4 @@ impl Error {
 }
 
 /// Result of the core.
-pub type Result<T> = std::result::Result<T, Error>;
+pub type Result<T> = core::result::Result<T, Error>;

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::motion::Channel;
+use crate::prelude::*;
 
 /// How a parameter enters the torque; the fitter eliminates what is linear.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,5 +1,8 @@
 //! Seeded noise for tests and simulated sensors (splitmix64, Steele, Lea & Flood 2014; Box & Muller 1958).
 
+#[cfg(not(feature = "std"))]
+use crate::prelude::*;
+
 /// From each state to the next, whatever it is.
 const STEP: u64 = 0x9E37_79B9_7F4A_7C15;
 
@@ -35,6 +38,6 @@ impl Noise {
     /// Standard normal.
     pub fn normal(&mut self) -> f64 {
         let radius = (-2.0 * self.uniform().ln()).sqrt();
-        radius * (std::f64::consts::TAU * self.uniform()).cos()
+        radius * (core::f64::consts::TAU * self.uniform()).cos()
     }
 }

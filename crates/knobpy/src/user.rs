@@ -10,7 +10,7 @@ use knobcore::motion::Channel;
 use knobcore::param::{Axis, Kind, Param, Unit};
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// A parameter as it comes in: name, unit, lower, upper, neutral, meaning, linear.
 type Row = (String, String, f64, f64, f64, String, bool);
@@ -58,7 +58,7 @@ pub fn register_law(
     units: HashMap<String, String>,
     bounds: HashMap<String, (f64, f64)>,
 ) -> PyResult<Vec<(&'static str, String, f64, f64, f64, bool)>> {
-    let mut asked: HashMap<String, written::Asked> = HashMap::new();
+    let mut asked: BTreeMap<String, written::Asked> = BTreeMap::new();
     for (name, unit) in units {
         let unit = unit_of(id, &name, &unit).map_err(input_error)?;
         asked.entry(name).or_default().unit = Some(unit);

@@ -3,6 +3,8 @@
 use super::nature::Nature;
 use knobcore::error::{Error, Result};
 use knobcore::param::Axis;
+use knobcore::prelude::*;
+use knobcore::scalar::Scalar;
 
 /// A force-feedback device: what a motor with its handle adds to whatever it renders.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -148,7 +150,7 @@ impl Tuning {
         let turn = late + 0.5 * dt;
         let extra = (nature.surge + own[0]) / device.inertia;
         let filtered = !device.held && extra > LIGHT;
-        let corner = if filtered { turn * std::f64::consts::FRAC_2_PI * extra / LIGHT } else { 0.0 };
+        let corner = if filtered { turn * core::f64::consts::FRAC_2_PI * extra / LIGHT } else { 0.0 };
         Self {
             ahead_s: if device.held { instant } else { late },
             rush_s: if device.held { instant } else { 0.0 },
@@ -156,7 +158,7 @@ impl Tuning {
             weak: WEAK * stiffness,
             damping,
             count: device.encoder_step,
-            freshness: 1.0 - (-dt / corner).exp(),
+            freshness: 1.0 - Scalar::exp(-dt / corner),
             own,
             stiffest: [stiffness, damping],
         }

@@ -2,7 +2,9 @@
 //!
 //! The step is plain arithmetic on its own state: no allocation, no lock, no panic, no clock, no unbounded loop.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(feature = "std"), no_std)]
 
+#[cfg(feature = "std")]
 mod batch;
 mod contact;
 mod device;

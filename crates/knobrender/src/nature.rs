@@ -3,6 +3,8 @@
 use super::sliding::{at_rest, braked};
 use knobcore::model::Model;
 use knobcore::motion::{Load, Motion};
+use knobcore::prelude::*;
+use knobcore::scalar::Scalar;
 
 /// Extremes of a model over angles and speeds; SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,7 +26,7 @@ pub struct Nature {
 const ANGLES: usize = 256;
 const SPEEDS: usize = 24;
 /// Angles that are looked at, rad to both sides of zero.
-const REACH: f64 = 4.0 * std::f64::consts::PI;
+const REACH: f64 = 4.0 * core::f64::consts::PI;
 
 impl Nature {
     /// Looks at a grid of angles and of speeds up to `speed` (rad/s), at the start of time.
@@ -54,7 +56,7 @@ impl Nature {
             nature.stiffness = nature.stiffness.max(slope.abs());
             nature.hold = nature.hold.min(held(&here));
             for k in 0..SPEEDS {
-                let fast = speed * 0.5_f64.powf(0.75 * k as f64);
+                let fast = speed * Scalar::powf(0.5, 0.75 * k as f64);
                 for omega in [fast, -fast] {
                     let motion = Motion::exact(0.0, theta, omega, 0.0);
                     let (now, more) = (load(&motion), load(&Motion { omega: 1.001 * omega, ..motion }));

@@ -12,12 +12,14 @@ use super::sliding::{add_loads, at_rest};
 use super::stability::check_stability;
 use super::state::Sensed;
 use super::step::Renderer;
+use core::f64::consts::TAU;
 use knobcore::effects::Id;
 use knobcore::error::{Error, Result};
 use knobcore::model::Model;
 use knobcore::motion::{Load, Motion};
 use knobcore::param::{Axis, Kind};
-use std::f64::consts::TAU;
+use knobcore::prelude::*;
+use knobcore::scalar::Scalar;
 
 /// Where a model is asked to be passive, to both sides of zero: angle, rad (m), and speed, rad/s (m/s).
 ///
@@ -87,19 +89,23 @@ pub fn check_passive(model: &Model, device: Option<Device>, rate_hz: f64) -> Res
 /// Energy between the highest and the lowest place of a model within its declared range, J.
 pub(super) fn stored(model: &Model, p: &[f64]) -> f64 {
     let own = model.effects().any(Id::calls_out);
-    let (height, _) = Asked { model, own, range: Range::of(model) }.heights(p);
+    let heights = Asked { model, own, range: Range::of(model) }.heights(p);
     if own {
         let _ = model.watched(|| ());
     }
-    highest(&height) - lowest(&height)
+    heights.highest - heights.lowest
 }
 
-fn highest(heights: &[f64]) -> f64 {
-    heights.iter().copied().fold(f64::NEG_INFINITY, f64::max)
-}
-
-fn lowest(heights: &[f64]) -> f64 {
-    heights.iter().copied().fold(f64::INFINITY, f64::min)
+/// What the places of a range hold, J, beside the place where it begins. Kept as it is met: of the places there may be many.
+struct Heights {
+    lowest: f64,
+    highest: f64,
+    /// The lowest in the middle half of the range, and its angle, rad.
+    inner: [f64; 2],
+    /// At the end of the range.
+    last: f64,
+    /// The least dry friction, N m.
+    dry: f64,
 }
 
 impl Asked<'_> {
@@ -130,7 +136,7 @@ impl Asked<'_> {
             // Golden-ratio steps meet every phase of any detent.
             let theta = self.range.angle * (2.0 * (0.618_033_988_75 * i as f64).fract() - 1.0);
             for k in 0..2 * speeds {
-                let fast = self.range.speed * 0.5_f64.powf(0.75 * (k / 2) as f64);
+                let fast = self.range.speed * Scalar::powf(0.5, 0.75 * (k / 2) as f64);
                 let motion = Motion::exact(0.0, theta, if k % 2 == 0 { fast } else { -fast }, 0.0);
                 let dry = |p: &[f64]| self.load(p, &motion).dry(motion.forward, 0.0);
                 let inertia = |p: &[f64]| self.load(p, &motion).inertia;
@@ -171,30 +177,41 @@ impl Asked<'_> {
     }
 
     /// What each place holds, J, from one end of the range to the other, and the least dry friction between them.
-    fn heights(&self, p: &[f64]) -> (Vec<f64>, f64) {
+    fn heights(&self, p: &[f64]) -> Heights {
         let places = GRID[usize::from(self.own)][2] * self.turns();
         let step = 2.0 * self.range.angle / places as f64;
-        let mut height = vec![0.0; places + 1];
-        let mut dry = f64::INFINITY;
-        for i in 0..places {
-            let theta = -self.range.angle + (i as f64 + 0.5) * step;
-            let load = self.load(p, &at_rest(&Motion::exact(0.0, theta, 0.0, 0.0)));
-            height[i + 1] = height[i] + load.drive * step;
-            dry = dry.min(load.dry(0.0, 0.0)).min(load.dry(1.0, 0.0));
+        let middle = places / 4..=places - places / 4;
+        let mut met = Heights {
+            lowest: f64::INFINITY,
+            highest: f64::NEG_INFINITY,
+            inner: [f64::INFINITY, 0.0],
+            last: 0.0,
+            dry: f64::INFINITY,
+        };
+        for i in 0..=places {
+            let height = met.last;
+            (met.lowest, met.highest) = (met.lowest.min(height), met.highest.max(height));
+            if middle.contains(&i) && height < met.inner[0] {
+                met.inner = [height, self.range.angle * (2.0 * i as f64 / places as f64 - 1.0)];
+            }
+            if i < places {
+                let theta = -self.range.angle + (i as f64 + 0.5) * step;
+                let load = self.load(p, &at_rest(&Motion::exact(0.0, theta, 0.0, 0.0)));
+                met.last += load.drive * step;
+                met.dry = met.dry.min(load.dry(0.0, 0.0)).min(load.dry(1.0, 0.0));
+            }
         }
-        (height, dry)
+        met
     }
 
     /// The angle alone does not drive the handle out of its range, by more than dry friction takes.
     fn stays(&self, p: &[f64]) -> Result<()> {
-        let (height, dry) = self.heights(p);
-        let (places, least) = (height.len() - 1, lowest(&height));
-        let span = highest(&height) - least;
-        let inner = lowest(&height[places / 4..=places - places / 4]);
+        let Heights { lowest, highest, inner: [inner, _], last, dry } = self.heights(p);
+        let span = highest - lowest;
         let rubbed = dry.max(0.0) * 0.5 * self.range.angle + CHANCE * span + UNFELT * self.range.angle;
-        for (edge, theta) in [(height[0], -self.range.angle), (height[places], self.range.angle)] {
+        for (edge, theta) in [(0.0, -self.range.angle), (last, self.range.angle)] {
             let out = |p: &[f64]| -theta.signum() * self.still(p, theta, 0.0);
-            if inner - edge > rubbed && edge <= least + CHANCE * span && out(p) > 0.0 {
+            if inner - edge > rubbed && edge <= lowest + CHANCE * span && out(p) > 0.0 {
                 return self.refuse(p, out, "pushes the handle away, out of its range");
             }
         }
@@ -206,7 +223,8 @@ impl Asked<'_> {
         if !self.model.remembers() && self.model.joint(p).is_none() {
             return Ok(());
         }
-        let start = self.ground(p);
+        // Where the angle alone holds the least: nothing is stored there.
+        let [_, start] = self.heights(p).inner;
         for [share, times] in CYCLES {
             let samples = (CYCLE_S / times * rate_hz).round().max(8.0) as usize;
             let w = TAU * rate_hz / samples as f64;
@@ -220,15 +238,6 @@ impl Asked<'_> {
             }
         }
         Ok(())
-    }
-
-    /// Where the angle alone holds the least, in the middle half of the range: nothing is stored there.
-    fn ground(&self, p: &[f64]) -> f64 {
-        let (height, _) = self.heights(p);
-        let places = height.len() - 1;
-        let inner = places / 4..=places - places / 4;
-        let ground = inner.min_by(|a, b| height[*a].total_cmp(&height[*b])).unwrap_or(places / 2);
-        self.range.angle * (2.0 * ground as f64 / places as f64 - 1.0)
     }
 
     /// The least that the work of the hand, J, has come to at the end of a cycle, and what went to and fro. Cycles go
@@ -249,7 +258,7 @@ impl Asked<'_> {
         for side in [1.0, -1.0, 1.0, -1.0] {
             let amplitude = side * amplitude;
             for i in 0..samples {
-                let (sin, cos) = (w * i as f64 / rate_hz).sin_cos();
+                let (sin, cos) = Scalar::sin_cos(w * i as f64 / rate_hz);
                 let (theta, omega) = (start + amplitude * (1.0 - cos), amplitude * w * sin);
                 let sensed = Sensed { theta, omega, alpha: amplitude * w * w * cos, hand: None };
                 let power = knob.step(sensed) * omega / rate_hz;

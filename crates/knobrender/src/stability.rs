@@ -10,6 +10,9 @@ use super::device::{Device, SPRING, Tuning};
 use super::nature::Nature;
 use knobcore::error::Result;
 use knobcore::model::Model;
+#[cfg(not(feature = "std"))]
+use knobcore::prelude::*;
+use knobcore::scalar::Scalar;
 
 /// What [`check_stability`] found; SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -100,9 +103,12 @@ impl Loop {
         let late = self.device.late_s(self.dt);
         // Looking ahead adds damping. A mass responds to an acceleration that is filtered and half a sample older.
         let damping = self.damping + self.stiffness * self.tuning.ahead_s;
-        let lag =
-            if self.tuning.freshness < 1.0 { -self.dt / (1.0 - self.tuning.freshness).ln() } else { 0.0 };
-        let (sin, cos) = (0.5 * w * self.dt + (w * lag).atan()).sin_cos();
+        let lag = if self.tuning.freshness < 1.0 {
+            -self.dt / Scalar::ln(1.0 - self.tuning.freshness)
+        } else {
+            0.0
+        };
+        let (sin, cos) = Scalar::sin_cos(0.5 * w * self.dt + (w * lag).atan());
         let mass = self.extra * w * w / (1.0 + w * lag * w * lag).sqrt();
         let answer = [self.stiffness - mass * cos, w * damping + mass * sin];
         let plant = [-self.device.inertia * w * w, self.device.damping * w];
@@ -114,20 +120,20 @@ impl Loop {
     /// How far the phase is from turning the loop round where its size goes through one, rad; of several places
     /// the worst. pi where it is never that strong.
     fn phase_margin(&self) -> f64 {
-        let top = std::f64::consts::PI / self.dt;
-        let steps = (FINE * (top / 0.1).ln()) as usize;
-        let mut worst = std::f64::consts::PI;
+        let top = core::f64::consts::PI / self.dt;
+        let steps = (FINE * Scalar::ln(top / 0.1)) as usize;
+        let mut worst = core::f64::consts::PI;
         let (mut before, mut last) = self.at(0.1);
         for step in 1..=steps {
-            let (size, phase) = self.at(0.1 * (step as f64 / FINE).exp());
+            let (size, phase) = self.at(0.1 * Scalar::exp(step as f64 / FINE));
             if (before - 1.0) * (size - 1.0) <= 0.0 && before != size {
-                worst = worst.min(std::f64::consts::PI + phase);
+                worst = worst.min(core::f64::consts::PI + phase);
             }
             (before, last) = (size, phase);
         }
         if before >= 1.0 {
             // Still that strong at half the sampling rate: the delay has turned it round on the way.
-            worst = worst.min((std::f64::consts::PI + last).min(0.0));
+            worst = worst.min((core::f64::consts::PI + last).min(0.0));
         }
         worst
     }

@@ -2,6 +2,7 @@
 
 use super::contact::Contact;
 use super::limits::Fault;
+use knobcore::prelude::*;
 
 /// What a force-feedback device senses at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]

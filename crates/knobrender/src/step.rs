@@ -11,6 +11,8 @@ use knobcore::effects::Id;
 use knobcore::error::{Error, Result};
 use knobcore::model::Model;
 use knobcore::motion::{Channel, Load, Motion};
+use knobcore::prelude::*;
+use knobcore::scalar::Scalar;
 
 /// A model that is rendered: the torque by which the knob answers, sample by sample.
 ///
@@ -223,7 +225,7 @@ impl Renderer {
             return self.give_up(Fault::NotFinite);
         }
         let first = self.state.samples == 0;
-        let missed = std::mem::take(&mut self.state.missed);
+        let missed = core::mem::take(&mut self.state.missed);
         self.state.samples += missed;
         let since = (missed + 1) as f64 * self.dt;
         let jump = if first { 0.0 } else { theta - self.state.before[0] };
@@ -245,7 +247,7 @@ impl Renderer {
         let by = if first { 0.0 } else { between - self.state.between };
         self.state.between = between;
         let fresh = self.tuning.freshness;
-        let fresh = if missed == 0 { fresh } else { 1.0 - (1.0 - fresh).powf((missed + 1) as f64) };
+        let fresh = if missed == 0 { fresh } else { 1.0 - Scalar::powf(1.0 - fresh, (missed + 1) as f64) };
         let filtered = self.state.alpha + fresh * (alpha - self.state.alpha);
         let felt = if first || fresh == 1.0 { alpha } else { filtered };
         self.state.alpha = felt;

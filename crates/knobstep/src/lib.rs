@@ -2,16 +2,23 @@
 //!
 //! Bindings: they convert, delegate and convert. The step itself is [`knobrender::Renderer::step`], so that what runs in
 //! a firmware or a simulator is what runs here, to the last bit. Only `knobcam_new` takes memory; no step does.
+#![cfg_attr(not(feature = "std"), no_std)]
 #![allow(unsafe_code, reason = "a C ABI takes pointers, whose validity only its caller can know")]
 
+#[cfg(not(feature = "std"))]
+mod bare;
+#[cfg(feature = "std")]
 pub mod fmi2;
+#[cfg(feature = "std")]
 pub mod fmi3;
+#[cfg(feature = "std")]
 mod slave;
 
-use knobcore::error::{Error, Result};
+use core::ffi::{CStr, c_char, c_int, c_void};
+use knobcore::error::Result;
 use knobcore::model_file;
+use knobcore::prelude::*;
 use knobrender::{Device, Fault, Limits, Renderer, Sensed};
-use std::ffi::{CStr, c_char, c_int};
 
 /// Speed that no handle reaches, rad/s, as of `knobcam.Renderer`: faster motion is a broken sensor.
 const FASTEST: f64 = 1000.0;
@@ -37,6 +44,42 @@ pub fn renderer(text: &str, rate_hz: f64, held: bool) -> Result<Renderer> {
     Renderer::new(&model_file::parse(text)?, rate_hz, held.then_some(IMPOSED), limits)
 }
 
+/// Bytes that it takes at most to make a knob of a model, whatever it says; for each character of its text, for each table
+/// in braces, and for each law that is written in it. What 26 models took on 64 bits, where it is most, was 0.65 to 0.85 of it.
+const NEEDS: [usize; 4] = [6144, 20, 2560, 8192];
+/// Of these for the books of what is taken and what is left.
+const BOOKS: usize = 2048;
+
+fn needs(text: &str) -> usize {
+    let laws = text.lines().filter(|line| line.trim_start().starts_with("law")).count();
+    NEEDS[0] + NEEDS[1] * text.len() + NEEDS[2] * text.matches('{').count() + NEEDS[3] * laws
+}
+
+/// The text of a caller, or what it is not.
+///
+/// # Safety
+/// `model` is null or a text that a zero ends.
+unsafe fn told<'a>(model: *const c_char) -> core::result::Result<&'a str, &'static str> {
+    if model.is_null() {
+        return Err("model: is none; give the text of a model file");
+    }
+    // SAFETY: the caller vouches for the zero at its end.
+    unsafe { CStr::from_ptr(model) }.to_str().map_err(|_| "model: is no UTF-8 text")
+}
+
+/// Bytes that are left; of an operating system as many as anybody wants.
+fn left() -> usize {
+    #[cfg(feature = "std")]
+    let left = usize::MAX;
+    #[cfg(not(feature = "std"))]
+    let left = bare::left();
+    left
+}
+
+/// Said without any memory.
+const TOO_LITTLE: &str =
+    "memory: too little is left for this model; give as much as knobcam_needs says by knobcam_memory";
+
 /// Writes a text into the room of a caller, ended by a zero and cut where it is too long.
 ///
 /// # Safety
@@ -49,9 +92,35 @@ unsafe fn tell(text: &str, to: *mut c_char, room: usize) {
     let kept = bytes.len().min(room - 1);
     // SAFETY: the caller vouches for `room` bytes, of which at most that many are written.
     unsafe {
-        std::ptr::copy_nonoverlapping(bytes.as_ptr().cast::<c_char>(), to, kept);
+        core::ptr::copy_nonoverlapping(bytes.as_ptr().cast::<c_char>(), to, kept);
         *to.add(kept) = 0;
     }
+}
+
+/// Memory that knobs are made in, the program's for as long as it runs: what this library has where there is no operating
+/// system, to be given before the first knob. Several are shared out together. Of an operating system it takes memory itself.
+///
+/// # Safety
+/// `memory` has `bytes` bytes, which nobody else uses from now on.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn knobcam_memory(memory: *mut c_void, bytes: usize) {
+    #[cfg(not(feature = "std"))]
+    // SAFETY: as the caller vouches.
+    unsafe {
+        bare::take(memory, bytes);
+    }
+    #[cfg(feature = "std")]
+    let _ = (memory, bytes);
+}
+
+/// Bytes of memory with which a knob of the model in a text can be made; 0 of what is no text.
+///
+/// # Safety
+/// `model` is null or a text that a zero ends.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn knobcam_needs(model: *const c_char) -> usize {
+    // SAFETY: as the caller vouches.
+    unsafe { told(model) }.map_or(0, needs)
 }
 
 /// Makes a knob of the model in a text at `rate_hz`; `held` is 0 on a handle that a hand turns or a simulation moves by
@@ -67,20 +136,17 @@ pub unsafe extern "C" fn knobcam_new(
     why: *mut c_char,
     room: usize,
 ) -> *mut Renderer {
-    let text = if model.is_null() {
-        Err(Error::invalid("model", "is none; give the text of a model file"))
-    } else {
-        // SAFETY: the caller vouches for the zero at its end.
-        unsafe { CStr::from_ptr(model) }.to_str().map_err(|_| Error::invalid("model", "is no UTF-8 text"))
+    // SAFETY: as the caller vouches.
+    let text = unsafe { told(model) }
+        .and_then(|text| if left() < needs(text) - BOOKS { Err(TOO_LITTLE) } else { Ok(text) });
+    let refused = match text.map(|text| renderer(text, rate_hz, held != 0)) {
+        Ok(Ok(knob)) => return Box::into_raw(Box::new(knob)),
+        Ok(Err(error)) => &*error.to_string(),
+        Err(why) => why,
     };
-    match text.and_then(|text| renderer(text, rate_hz, held != 0)) {
-        Ok(knob) => Box::into_raw(Box::new(knob)),
-        Err(error) => {
-            // SAFETY: as the caller vouches.
-            unsafe { tell(&error.to_string(), why, room) };
-            std::ptr::null_mut()
-        }
-    }
+    // SAFETY: as the caller vouches.
+    unsafe { tell(refused, why, room) };
+    core::ptr::null_mut()
 }
 
 /// The torque of the model, N m: what a hand has to apply; the motor applies its negative. Angle rad, speed rad/s,
@@ -169,7 +235,7 @@ mod tests {
     fn a_knob_of_c_answers_what_the_renderer_does_to_the_last_bit() {
         let mut right = renderer(&text(), 5000.0, false).unwrap();
         let model = CString::new(text()).unwrap();
-        let knob = unsafe { knobcam_new(model.as_ptr(), 5000.0, 0, std::ptr::null_mut(), 0) };
+        let knob = unsafe { knobcam_new(model.as_ptr(), 5000.0, 0, core::ptr::null_mut(), 0) };
         for i in 0..1000 {
             let t = f64::from(i) * 2e-4;
             let (theta, omega, alpha) = ((9.0 * t).sin(), 9.0 * (9.0 * t).cos(), -81.0 * (9.0 * t).sin());
@@ -198,8 +264,8 @@ mod tests {
             let said = unsafe { CStr::from_ptr(why.as_ptr()) }.to_str().unwrap();
             assert!(said.len() == 15 || rate == 1.0 && said.starts_with("rate"), "{said}");
         }
-        assert!(unsafe { knobcam_new(std::ptr::null(), 5e3, 0, std::ptr::null_mut(), 0) }.is_null());
-        let none = std::ptr::null_mut();
+        assert!(unsafe { knobcam_new(core::ptr::null(), 5e3, 0, core::ptr::null_mut(), 0) }.is_null());
+        let none = core::ptr::null_mut();
         unsafe { knobcam_reset(none) };
         assert_eq!(unsafe { (knobcam_step(none, 0.0, 0.0, 0.0), knobcam_fault(none)) }, (0.0, -1));
         unsafe { knobcam_free(none) };

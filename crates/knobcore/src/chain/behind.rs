@@ -35,7 +35,7 @@ pub(super) fn side_by_side(
 ) {
     // Lanes that are left over repeat the last set.
     let lane = |lane: usize| sets.get(lane).or(sets.last());
-    let all = |at: usize| Packed(std::array::from_fn(|k| lane(k).map_or(0.0, |p| p[at])));
+    let all = |at: usize| Packed(core::array::from_fn(|k| lane(k).map_or(0.0, |p| p[at])));
     let p: Vec<Wide> = (0..model.slots().len()).map(all).collect();
     let columns = vec![None; p.len()];
     let own = Own::default();
@@ -94,7 +94,7 @@ fn knobs(model: &Model, p: &[f64], columns: &[Option<usize>], substeps: usize, o
     }
     // Each group is followed with the torque; that of the first is kept.
     let mut others = vec![vec![0.0; over.torque.len()]; slopes.len().div_ceil(CARRIED) - 1];
-    let torques = std::iter::once(&mut *over.torque).chain(others.iter_mut().map(Vec::as_mut_slice));
+    let torques = core::iter::once(&mut *over.torque).chain(others.iter_mut().map(Vec::as_mut_slice));
     let groups = slopes.chunks_mut(CARRIED).zip(torques).enumerate().collect();
     share(groups, |(group, (few, torque))| behind.carry(p, group * CARRIED, torque, few));
 }

@@ -169,7 +169,7 @@ fn crossing(rising: impl Fn(f64) -> f64, guess: f64, by: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::cell::Cell;
+    use core::cell::Cell;
 
     #[test]
     fn a_zero_is_found_wherever_it_is_and_soon() {

@@ -10,76 +10,36 @@
 //! law of dry friction ([`Load::friction`](crate::motion::Load::friction) and
 //! [`Load::sticking`](crate::motion::Load::sticking)) and one [stepper](Body).
 
-mod behind;
-mod block;
-mod driven;
 mod hidden;
-mod push;
-mod rigid;
 mod stepper;
 
-pub use behind::knob;
-pub use block::Block;
-pub use driven::{Drive, Driven, steps};
+// Whole columns and what pushes a knob are for those who measure: a renderer follows samples.
+#[cfg(feature = "std")]
+mod behind;
+#[cfg(feature = "std")]
+mod block;
+#[cfg(feature = "std")]
+mod columns;
+#[cfg(feature = "std")]
+mod driven;
+#[cfg(feature = "std")]
+mod push;
+#[cfg(feature = "std")]
+mod rigid;
+
 pub use hidden::{Beside, Hidden, Instant};
-pub use push::{Hand, Pushed, push};
 pub use stepper::{Acts, Body};
 
-use crate::effects::Id;
-use crate::effects::law::Response;
-use crate::model::Model;
-use crate::scalar::WIDE;
+#[cfg(feature = "std")]
+pub use behind::knob;
+#[cfg(feature = "std")]
+pub use block::Block;
+#[cfg(feature = "std")]
+pub use columns::{along, loads, sensors, several};
+#[cfg(feature = "std")]
+pub use driven::{Drive, Driven, steps};
+#[cfg(feature = "std")]
+pub use push::{Hand, Pushed, push};
 
 /// Steps of a hidden knob from one sample to the next.
 pub const SUBSTEPS: usize = 4;
-
-/// Torque on the shaft and its derivatives along a motion: coupling and loads. `columns` says which column each
-/// parameter has.
-pub fn loads(model: &Model, p: &[f64], columns: &[Option<usize>], substeps: usize, over: &mut Response<'_>) {
-    if model.is_coupled() {
-        behind::loads(model, p, columns, substeps, over);
-    } else {
-        rigid::loads(&model.parts(p, columns), over);
-    }
-}
-
-/// Passes torque and derivatives through the sensors.
-pub fn sensors(model: &Model, p: &[f64], columns: &[Option<usize>], over: &mut Response<'_>) {
-    for (id, p, columns) in model.parts(p, columns) {
-        id.law().pass(p, columns, over);
-    }
-}
-
-/// The recorded torque along one motion of a model with several sets of parameters: behind a joint as many knobs are
-/// followed side by side as a register has lanes. Those with laws of a user's own go one by one.
-pub fn several(
-    model: &Model,
-    sets: &[Vec<f64>],
-    substeps: usize,
-    motion: [&[f64]; 5],
-    dt: f64,
-    torques: &mut [Vec<f64>],
-) {
-    let columns = vec![None; model.slots().len()];
-    let together = model.is_coupled() && !model.effects().any(|id| matches!(id, Id::User(_)));
-    for (sets, torques) in sets.chunks(WIDE).zip(torques.chunks_mut(WIDE)) {
-        let wide = together && sets.len() > 1;
-        if wide {
-            behind::side_by_side(model, sets, substeps, motion, dt, torques);
-        }
-        for (p, torque) in sets.iter().zip(torques) {
-            let over = &mut Response { motion, dt, torque, slopes: &mut [] };
-            if wide {
-                sensors(model, p, &columns, over);
-            } else {
-                along(model, p, &columns, substeps, over);
-            }
-        }
-    }
-}
-
-/// The recorded torque and its derivatives along a motion: the whole chain.
-pub fn along(model: &Model, p: &[f64], columns: &[Option<usize>], substeps: usize, over: &mut Response<'_>) {
-    loads(model, p, columns, substeps, over);
-    sensors(model, p, columns, over);
-}

@@ -6,7 +6,7 @@
 
 use crate::effects::law::{BLOCK, Response, Scratch, Totals};
 use crate::model::Part;
-use std::cell::Cell;
+use core::cell::Cell;
 
 thread_local! {
     /// Kept from call to call where no effect shapes the friction: it is larger than what most of them compute, and those

@@ -2,6 +2,7 @@
 
 use super::{Carrier, Context, CouplingEffect, Effect, Id, Joint, Nonlinear, Survey, Words};
 use crate::param::{Param, Unit};
+use crate::prelude::*;
 use crate::scalar::Scalar;
 
 /// A joint that is stiff (k, d) beyond a free play of `gap`; the knob's side holds `share` of the inertia and
@@ -53,7 +54,7 @@ impl Effect<4> for Backlash {
         // Contact that is damped to a half and rings at a fraction of the sampling rate: through the coarse filter that the
         // search begins with a harder one is all edges, from most of which no slope leads on.
         let rings = |share_of_rate: f64, share: f64| {
-            let omega = std::f64::consts::TAU * share_of_rate * survey.rate_hz;
+            let omega = core::f64::consts::TAU * share_of_rate * survey.rate_hz;
             [(share * inertia * omega * omega).clamp(1e-3, 1e5), (share * inertia * omega).clamp(1e-9, 1e2)]
         };
         let mut starts = Vec::new();
@@ -80,7 +81,7 @@ impl Effect<4> for Backlash {
     fn typical(carrier: &Carrier<'_>) -> [f64; 4] {
         // Surfaces that hardly give under the largest torque, and ring well below the sampling rate, damped to a half.
         let (inertia, share) = (carrier.inertia(), 0.7);
-        let omega = std::f64::consts::TAU * 0.03 * carrier.survey.rate_hz;
+        let omega = core::f64::consts::TAU * 0.03 * carrier.survey.rate_hz;
         let k = (share * inertia * omega * omega).max(carrier.peak() / 0.02);
         let d = (share * inertia * k).sqrt() + carrier.pushes;
         let widest = 0.08_f64.min(0.2 * carrier.survey.range());
@@ -135,7 +136,7 @@ mod tests {
         };
         let tau = predict::torque_raw(&model, &signals);
         let free = |i: &usize| (tau[*i] - (1.0 - share) * inertia * signals.alpha[*i]).abs() < 1e-9;
-        let reversal = (std::f64::consts::FRAC_PI_2 / w * rate_hz) as usize;
+        let reversal = (core::f64::consts::FRAC_PI_2 / w * rate_hz) as usize;
         let flight: Vec<usize> = (reversal..5000).filter(free).collect();
         let ends = |i: usize| signals.theta[flight[i]];
         let travel = ends(0) - ends(flight.len() - 1);

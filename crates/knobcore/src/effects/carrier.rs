@@ -2,6 +2,7 @@
 
 use super::{Id, Survey};
 use crate::param::{Param, Unit};
+use crate::prelude::*;
 
 /// An effect of ordinary size makes the bare model's error about this many times what noise leaves.
 const TIMES: f64 = 4.0;

@@ -3,8 +3,9 @@
 use super::{Carrier, Context, Effect, Id, LoadEffect, Over, Survey, Wave, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit, Usual};
+use crate::prelude::*;
 use crate::scalar::Scalar;
-use std::f64::consts::TAU;
+use core::f64::consts::TAU;
 
 /// Sum of a_i sin(n_i theta/P + phi_i) over whole orders n_i; P is 1 on a rotary axis, so that they count per
 /// revolution, and the pitch over 2 pi on a linear one. An order of nought is not used.

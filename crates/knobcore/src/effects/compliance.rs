@@ -2,6 +2,7 @@
 
 use super::{Carrier, Context, CouplingEffect, Effect, Id, Joint, Nonlinear, Survey, Words};
 use crate::param::{Param, Unit};
+use crate::prelude::*;
 use crate::scalar::Scalar;
 
 /// k twist + d twist'; the knob's side holds `share` of the inertia and every other load.
@@ -47,7 +48,7 @@ impl Effect<3> for Compliance {
         let mut starts = Vec::new();
         for share_of_rate in [0.003, 0.006, 0.012, 0.024, 0.048] {
             for share in [0.8, 0.5] {
-                let omega = std::f64::consts::TAU * share_of_rate * survey.rate_hz;
+                let omega = core::f64::consts::TAU * share_of_rate * survey.rate_hz;
                 let k = (share * inertia * omega * omega).clamp(1e-3, 1e5);
                 starts.push([k, (0.05 * share * inertia * omega).clamp(1e-9, 1e2), share]);
             }
@@ -68,7 +69,7 @@ impl Effect<3> for Compliance {
         // so that it has rung out before the next reversal.
         let inertia = carrier.inertia();
         carrier.sized(Id::Compliance, [20.0 / carrier.survey.rate_hz, 1.0 / 15.0], |period| {
-            let omega = std::f64::consts::TAU / period;
+            let omega = core::f64::consts::TAU / period;
             let k = 0.7 * inertia * omega * omega;
             [k, 0.3 * k / omega + carrier.pushes, 0.7]
         })
@@ -102,7 +103,7 @@ mod tests {
     #[test]
     fn below_resonance_the_inertia_behind_the_shaft_weighs_more_and_above_it_less() {
         let (share, inertia, rate_hz) = (0.6, 1e-4, 5000.0);
-        let resonance = std::f64::consts::TAU * 40.0;
+        let resonance = core::f64::consts::TAU * 40.0;
         let stiffness = share * inertia * resonance * resonance;
         for ratio in [0.2_f64, 0.5, 2.0] {
             let mut model = Model::new(&[Id::Inertia, Id::Compliance], Axis::Rotary);

@@ -1,6 +1,7 @@
 //! What is known of the fit that the values of an effect come from: enough to say whether they can be its own.
 
-use std::f64::consts::TAU;
+use crate::prelude::*;
+use core::f64::consts::TAU;
 
 /// Waves within the motion by which a series that is bound to another may seem not to be; standard errors on top.
 const BOUND: f64 = 0.02;

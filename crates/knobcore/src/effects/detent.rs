@@ -3,8 +3,9 @@
 use super::{Base, Carrier, Context, Effect, LoadEffect, Over, Survey, Wave, Words, short};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
+use crate::prelude::*;
 use crate::scalar::Scalar;
-use std::f64::consts::TAU;
+use core::f64::consts::TAU;
 
 /// Times the way: of a longer one less than a half was seen, and a bent line is no wave.
 const LONGEST: f64 = 2.0;

@@ -74,7 +74,7 @@ fn wave<T: Scalar>(n: f64, x: T, a: &T, s: &T) -> T {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::{PI, TAU};
+    use core::f64::consts::{PI, TAU};
 
     #[test]
     fn harmonics_repeat_within_one_detent() {

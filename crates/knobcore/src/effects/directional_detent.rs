@@ -61,7 +61,7 @@ mod tests {
         let (gain, shift, period) = (0.2, 0.3, 0.1);
         // Forward sin(x), backward (1 + gain) sin(x + shift): half the sum, and half the difference.
         let half = |sign: f64, x: f64| 0.5 * (x.sin() + sign * (1.0 + gain) * (x + shift).sin());
-        let (sine, cosine) = (half(-1.0, std::f64::consts::FRAC_PI_2), half(-1.0, 0.0));
+        let (sine, cosine) = (half(-1.0, core::f64::consts::FRAC_PI_2), half(-1.0, 0.0));
         let p = [sine.hypot(cosine), cosine.atan2(sine), period];
         for x in [0.1_f64, 1.0, 2.5] {
             let at =

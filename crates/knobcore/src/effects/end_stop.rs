@@ -3,6 +3,7 @@
 use super::{Carrier, Context, Effect, Id, LoadEffect, Over, Survey, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
+use crate::prelude::*;
 use crate::scalar::Scalar;
 
 /// Beyond an angle a spring that may grow stiffer and a damper push back: k x (1 + g x) + d dx/dt at the depth x,

@@ -3,6 +3,7 @@
 use super::{Carrier, Effect, Id, LoadEffect, Survey, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
+use crate::prelude::*;
 use crate::scalar::Scalar;
 
 /// Dry friction times 1 + rise exp(-t / tau), t since the start of the capture.
@@ -64,6 +65,6 @@ mod tests {
         let level =
             |t: f64| FrictionDrift::load(&[0.8, 2.0], &Motion::exact(t, 0.0, 1.0, 0.0)).friction_scale;
         assert!((level(0.0) - 1.8).abs() < 1e-12 && (level(100.0) - 1.0).abs() < 1e-12);
-        assert!((level(2.0) - (1.0 + 0.8 / std::f64::consts::E)).abs() < 1e-12);
+        assert!((level(2.0) - (1.0 + 0.8 / core::f64::consts::E)).abs() < 1e-12);
     }
 }

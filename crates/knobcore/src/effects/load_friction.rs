@@ -3,6 +3,7 @@
 use super::{Carrier, Context, Effect, Id, LoadEffect, Nonlinear, Survey, Words, short};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit, Usual};
+use crate::prelude::*;
 use crate::scalar::Scalar;
 
 /// mu |load|, with the sign of omega. The load is what the surfaces that slide hand on: the torque of the detents,

@@ -52,10 +52,11 @@ mod user;
 use crate::error::{Error, Result};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::Param;
+use crate::prelude::*;
 use crate::scalar::{Branches, Scalar};
+use core::marker::PhantomData;
 use law::{Couples, Delays, Law, Loads, Remembers, Senses};
 use registry::{lanes, registry};
-use std::marker::PhantomData;
 
 pub use carrier::Carrier;
 pub use context::Context;
@@ -154,7 +155,7 @@ pub trait Effect<const N: usize> {
     /// Parameter values of an ordinary size on a knob, in a motion that shows them and to sensors that see them.
     fn typical(carrier: &Carrier<'_>) -> [f64; N] {
         let values = carrier.by_unit(&Self::PARAMS);
-        std::array::from_fn(|i| values.get(i).copied().unwrap_or(0.0))
+        core::array::from_fn(|i| values.get(i).copied().unwrap_or(0.0))
     }
 
     /// What is implausible about such values in such a fit, a sentence each, beside those that no parameter may have

@@ -3,6 +3,7 @@
 use super::{Carrier, Context, Effect, Id, LoadEffect, Survey, Wave, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
+use crate::prelude::*;
 use crate::scalar::Scalar;
 
 /// Dry friction times 1 + sum of a_n sin(n theta/P) + b_n cos(n theta/P), n = 1 to 4; never below zero.
@@ -79,7 +80,7 @@ impl Effect<9> for PositionFriction {
         let mut cycles = 0.5;
         let mut starts = Vec::new();
         while cycles < 40.0 && starts.len() < 40 {
-            let period = range / (std::f64::consts::TAU * cycles);
+            let period = range / (core::f64::consts::TAU * cycles);
             let mut start = [0.0; 9];
             start[0] = period.clamp(1e-6, 1e6);
             starts.push(start);
@@ -91,7 +92,7 @@ impl Effect<9> for PositionFriction {
     /// Friction that varies along the way stays friction, and goes through a period of its own.
     fn implausible(p: &[f64; 9], context: &Context) -> Vec<String> {
         let [period, series @ ..] = p;
-        let cycles = context.travel() / (std::f64::consts::TAU * period);
+        let cycles = context.travel() / (core::f64::consts::TAU * period);
         let size_of = |wave: &[f64]| wave.iter().copied().fold(0.0, f64::hypot);
         let sizes: Vec<f64> = series.chunks(2).map(size_of).collect();
         // A series whose higher waves are its strongest goes up and down within a part of its period.
@@ -123,7 +124,7 @@ impl Effect<9> for PositionFriction {
     }
 
     fn typical(carrier: &Carrier<'_>) -> [f64; 9] {
-        let period = carrier.survey.range().max(1e-6) / (1.5 * std::f64::consts::TAU);
+        let period = carrier.survey.range().max(1e-6) / (1.5 * core::f64::consts::TAU);
         carrier.sized(Id::PositionFriction, [0.1, 1.1], |s| {
             [period, 0.5 * s, 0.1 * s, 0.2 * s, 0.1 * s, 0.1 * s, -0.05 * s, 0.03 * s, 0.03 * s]
         })

@@ -44,7 +44,7 @@ impl Effect<3> for PositionPolynomial {
         // By the torque of each term where the way ends.
         let reach = carrier.reach().max(carrier.middle().abs());
         carrier.sized(Id::PositionPolynomial, [carrier.floor, 100.0 * carrier.floor], |torque| {
-            [0.4 * torque / reach, torque / reach.powi(2), -0.8 * torque / reach.powi(3)]
+            [0.4 * torque / reach, torque / (reach * reach), -0.8 * torque / (reach * reach * reach)]
         })
     }
 }

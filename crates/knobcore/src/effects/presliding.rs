@@ -3,6 +3,7 @@
 use super::{Carrier, Context, Effect, Id, MemoryEffect, Over, Survey, Words, apart, short};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
+use crate::prelude::*;
 use crate::scalar::Scalar;
 
 /// Elastoplastic elements in parallel (Maxwell slip), element i carrying the share `w_i` of the dry friction and

@@ -3,6 +3,7 @@
 use super::{Carrier, Effect, LoadEffect, Over, Survey, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
+use crate::prelude::*;
 use crate::scalar::Scalar;
 
 /// f_i + k_i (theta - c) in region i of four, which the borders b1 <= b2 <= b3 cut; c is the middle border.
@@ -61,7 +62,7 @@ impl Effect<11> for Regional {
         let low = Survey::quantile(&survey.theta, 0.0);
         let at = |share: f64| low + share * survey.range();
         let borders = [[0.25, 0.5, 0.75], [0.1, 0.5, 0.9], [0.1, 0.2, 0.5], [0.5, 0.8, 0.9]];
-        borders.map(|b| std::array::from_fn(|i| b.get(i).map_or(0.0, |share| at(*share)))).into()
+        borders.map(|b| core::array::from_fn(|i| b.get(i).map_or(0.0, |share| at(*share)))).into()
     }
 
     fn typical(carrier: &Carrier<'_>) -> [f64; 11] {

@@ -3,6 +3,7 @@
 use super::{Base, Effect, Nonlinear, Over, Place, TakenUp, Wave, Words};
 use crate::motion::Channel;
 use crate::param::Param;
+use crate::prelude::*;
 
 /// The row of the catalogue that an effect fills.
 #[derive(Debug, Clone, Copy)]

@@ -3,6 +3,7 @@
 use super::{Carrier, Context, Effect, Id, Nonlinear, Over, SensorEffect, Survey, Words};
 use crate::motion::Motion;
 use crate::param::{Param, Unit};
+use crate::prelude::*;
 use crate::scalar::Scalar;
 
 /// Noise in times of the range of which nothing of a limit is left: a share is taken of every torque, the same to a fiftieth.

@@ -4,8 +4,9 @@ use super::detent::Detent;
 use super::{Carrier, Context, Effect, Id, LoadEffect, Over, Survey, Wave, Words, rate};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
+use crate::prelude::*;
 use crate::scalar::Scalar;
-use std::f64::consts::TAU;
+use core::f64::consts::TAU;
 
 /// A sin(theta / P + S) beside the detents, P no fraction of theirs.
 pub struct SecondDetent;

@@ -1,5 +1,6 @@
 //! A signal at another time.
 
+use crate::prelude::*;
 use crate::scalar::Scalar;
 
 /// Longest shift, samples.

@@ -3,6 +3,7 @@
 use super::{Carrier, Context, Effect, Id, LoadEffect, Over, Survey, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
+use crate::prelude::*;
 use crate::scalar::Scalar;
 
 /// Dry friction times 1 + rise exp(-(|omega| / vs)^delta).

@@ -1,5 +1,7 @@
 //! What a capture offers to a search for starting values: how far, how fast, how hard, how long.
 
+use crate::prelude::*;
+
 /// What varies as a wave over position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wave {

@@ -3,6 +3,7 @@
 use super::{Carrier, Context, Effect, Id, Over, SensorEffect, Survey, Words};
 use crate::motion::Motion;
 use crate::param::{Param, Unit, Usual};
+use crate::prelude::*;
 use crate::scalar::Scalar;
 use nalgebra::{Matrix4, Vector4};
 
@@ -111,7 +112,7 @@ impl SensorEffect<8> for TorqueDrift {
     #[inline(always)]
     fn sense<T: Scalar>([d, n, e, constant, c1, c2, c3, length]: &[T; 8], motion: &Motion<T>, tau: T) -> T {
         let creep = *d * motion.t.max(T::of(START)).powf(*n);
-        let (s, c) = (T::of(std::f64::consts::PI) * motion.t / *length).sin_cos();
+        let (s, c) = (T::of(core::f64::consts::PI) * motion.t / *length).sin_cos();
         let (s2, cos2) = (T::of(2.0) * s * c, c * c - s * s);
         let waves = *c1 * c + *c2 * cos2 + *c3 * (cos2 * c - s2 * s);
         tau + creep + *e * (-motion.t / *constant).exp() + waves
@@ -137,7 +138,7 @@ mod tests {
     #[test]
     fn a_drift_that_is_a_spring_over_a_motion_there_and_back_is_none() {
         let theta: Vec<f64> =
-            (0..5000).map(|i| (f64::from(i) * std::f64::consts::PI / 2500.0).cos()).collect();
+            (0..5000).map(|i| (f64::from(i) * core::f64::consts::PI / 2500.0).cos()).collect();
         let said = |p: &[f64; 8], theta: &[f64]| {
             let context = Context {
                 t: (0..5000).map(|i| f64::from(i) * 1e-3).take(theta.len()).collect(),

@@ -3,6 +3,7 @@
 use super::shifted::shifted;
 use super::{Carrier, Effect, Id, LateEffect, Survey, TakenUp, Words};
 use crate::param::{Param, Unit};
+use crate::prelude::*;
 use crate::scalar::Scalar;
 
 /// A first-order lag, and a pure delay after it.

@@ -55,7 +55,7 @@ mod tests {
     #[test]
     fn a_weight_off_the_axis_pulls_one_way_and_half_a_turn_on_the_other() {
         let torque = |theta: f64| Unbalance::load(&[3.0, 0.4], &Motion::exact(0.0, theta, 0.0, 0.0)).drive;
-        assert!((torque(0.5) + torque(0.5 + std::f64::consts::PI)).abs() < 1e-12);
+        assert!((torque(0.5) + torque(0.5 + core::f64::consts::PI)).abs() < 1e-12);
         assert!((torque(0.5) - 3.0 * 0.9_f64.sin()).abs() < 1e-12);
     }
 }

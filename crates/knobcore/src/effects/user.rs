@@ -4,14 +4,14 @@ use super::formula::Formula;
 use super::law::{LEAST, Law, NARROW, Stated};
 use super::{Id, Info, Joint, Place};
 use crate::error::{Error, Result};
+use crate::local::{Shared, local};
 use crate::motion::{Channel, Motion};
 use crate::param::{Kind, Param};
-use std::cell::RefCell;
-use std::cmp::Ordering;
-use std::collections::HashMap;
-use std::hash::{Hash, Hasher};
-use std::sync::atomic::{AtomicUsize, Ordering as Memory};
-use std::sync::{PoisonError, RwLock};
+use crate::prelude::*;
+use alloc::collections::BTreeMap;
+use core::cmp::Ordering;
+use core::hash::{Hash, Hasher};
+use core::sync::atomic::{AtomicUsize, Ordering as Memory};
 
 /// A law of a user's own: the values of its parameters, and columns of one length.
 ///
@@ -19,7 +19,7 @@ use std::sync::{PoisonError, RwLock};
 /// level of friction, a factor on the dry friction. A sensor gets the torque as a sixth column and answers what it
 /// reads. A joint gets no column and answers gap, stiffness, damping and share, and 1 where shaft and knob hold on to
 /// each other, else 0.
-pub type Function = Box<dyn Fn(&[f64], &[&[f64]]) -> std::result::Result<Vec<f64>, String> + Send + Sync>;
+pub type Function = Box<dyn Fn(&[f64], &[&[f64]]) -> core::result::Result<Vec<f64>, String> + Send + Sync>;
 
 /// What an effect of a user's own does.
 pub enum Does {
@@ -44,18 +44,25 @@ pub struct User {
 
 /// Step of central differences as a share of the parameter, of its scale where it is nought. What is linear may go all the way.
 const STEP: f64 = 1e-5;
-thread_local! {
+local! {
     /// What went wrong on this thread, by the order of the effect: two fits at a time do not see each other's.
-    static FAILURES: RefCell<HashMap<usize, String>> = RefCell::default();
+    static FAILURES: BTreeMap<usize, String> = BTreeMap::new();
+}
+
+fn failures<R>(work: impl FnOnce(&mut BTreeMap<usize, String>) -> R) -> R {
+    let mut failures = FAILURES.take();
+    let done = work(&mut failures);
+    FAILURES.set(failures);
+    done
 }
 
 static ORDER: AtomicUsize = AtomicUsize::new(0);
 static VERSION: AtomicUsize = AtomicUsize::new(0);
-static REGISTERED: RwLock<Vec<&'static User>> = RwLock::new(Vec::new());
+static REGISTERED: Shared<Vec<&'static User>> = Shared::new(Vec::new());
 
 /// All that are registered.
 pub(super) fn all() -> impl Iterator<Item = &'static User> {
-    REGISTERED.read().unwrap_or_else(PoisonError::into_inner).clone().into_iter()
+    REGISTERED.with(|registered| registered.clone()).into_iter()
 }
 
 /// A number that grows whenever an effect enters the catalogue or leaves it.
@@ -95,9 +102,10 @@ impl User {
 
     /// Takes it into the catalogue, in place of what has its name there.
     pub(super) fn enter(&'static self) {
-        let mut registered = REGISTERED.write().unwrap_or_else(PoisonError::into_inner);
-        registered.retain(|other| other.info.id != self.info.id);
-        registered.push(self);
+        REGISTERED.with(|registered| {
+            registered.retain(|other| other.info.id != self.info.id);
+            registered.push(self);
+        });
         VERSION.fetch_add(1, Memory::Release);
     }
 
@@ -119,26 +127,23 @@ impl User {
 
     /// Takes an effect out of the catalogue; models that have it keep it. Whether it was there.
     pub fn forget(id: &str) -> bool {
-        let mut registered = REGISTERED.write().unwrap_or_else(PoisonError::into_inner);
-        let before = registered.len();
-        registered.retain(|user| user.info.id != id);
+        let named = |user: &&Self| user.info.id == id;
+        let was = REGISTERED.with(|all| all.iter().position(named).map(|at| all.remove(at)));
         VERSION.fetch_add(1, Memory::Release);
-        registered.len() < before
+        was.is_some()
     }
 
     /// What went wrong on this thread since this was last asked on it.
     pub fn failure(&self) -> Option<String> {
         match &self.does {
             Does::Formula(stated) => stated.failure(),
-            Does::Call(_) => FAILURES.with_borrow_mut(|failures| failures.remove(&self.order)),
+            Does::Call(_) => failures(|failures| failures.remove(&self.order)),
         }
     }
 
     fn fail(&self, p: &[f64], why: &str) {
         let why = format!("{why} (with {}); mend its function, or {NARROW}", self.info.with_values(p));
-        FAILURES.with_borrow_mut(|failures| {
-            failures.entry(self.order).or_insert(why);
-        });
+        failures(|failures| _ = failures.entry(self.order).or_insert(why));
     }
 
     /// What it answers over columns, and what it then stands for where it fails: nothing, which
@@ -235,7 +240,7 @@ impl User {
             return f64::from(u8::from(self.info.touches.contains(&Channel::FrictionScale)));
         }
         let Motion { t, theta, omega, alpha, forward } = motion;
-        let columns = [t, theta, omega, alpha, forward].map(std::slice::from_ref);
+        let columns = [t, theta, omega, alpha, forward].map(core::slice::from_ref);
         self.over(p, &columns).first().copied().unwrap_or(0.0)
     }
 }
@@ -272,15 +277,15 @@ fn check(info: &Info, starts: &[Vec<f64>]) -> Result<()> {
     Ok(())
 }
 
-impl std::fmt::Debug for User {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+impl core::fmt::Debug for User {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.debug_tuple("User").field(&self.info.id).finish()
     }
 }
 
 impl PartialEq for User {
     fn eq(&self, other: &Self) -> bool {
-        std::ptr::eq(self, other)
+        core::ptr::eq(self, other)
     }
 }
 impl Eq for User {}

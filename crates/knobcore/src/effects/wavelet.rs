@@ -3,6 +3,7 @@
 use super::{Carrier, Effect, LoadEffect, Over, Survey, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit, Usual};
+use crate::prelude::*;
 use crate::scalar::Scalar;
 
 /// Coefficients: one mean-free hat, then 2, 4, 8 and 16 of half the width each.

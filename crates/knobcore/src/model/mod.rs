@@ -11,8 +11,9 @@ use crate::effects::{Base, Id, Joint, Nonlinear, Place};
 use crate::error::{Error, Result};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Axis, Given, Kind, Param, Usual};
-use std::ops::Range;
-use std::sync::Arc;
+use crate::prelude::*;
+use alloc::sync::Arc;
+use core::ops::Range;
 
 pub use runs::Run;
 pub use sides::Rigid;

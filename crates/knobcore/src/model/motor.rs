@@ -4,6 +4,7 @@ use super::{Model, Role, Slot};
 use crate::effects::{Base, Nonlinear};
 use crate::error::{Error, Result};
 use crate::param::{Given, Kind, Unit};
+use crate::prelude::*;
 
 impl Model {
     /// Its units of torque and of angle.
@@ -39,7 +40,7 @@ impl Model {
     }
 
     /// Takes a torque in proportion to the speed off the term that holds it.
-    fn take_off(mut self, per_speed: f64) -> std::result::Result<Self, String> {
+    fn take_off(mut self, per_speed: f64) -> core::result::Result<Self, String> {
         if let Some(id) = self.effects().find(|id| id.info().makes_nonlinear == Some(Nonlinear::Everything)) {
             let id = id.info().id;
             return Err(format!(

@@ -4,6 +4,7 @@ use super::Model;
 use crate::effects::{BENT, Id, User};
 use crate::error::{Error, Result};
 use crate::motion::{Load, Motion};
+use crate::prelude::*;
 
 impl Model {
     /// Refuses a law that the simulated motion of a knob behind a joint cannot follow.

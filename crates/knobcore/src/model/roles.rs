@@ -5,6 +5,7 @@ use crate::effects::{Id, Nonlinear, Place};
 use crate::error::{Error, Result};
 use crate::motion::Channel;
 use crate::param::{Axis, Kind, Usual};
+use crate::prelude::*;
 
 impl Model {
     /// The usual role of a parameter, by the values that the model has.

@@ -5,9 +5,10 @@
 
 use super::{Model, Role, Slot};
 use crate::effects::Id;
-use std::borrow::Cow;
-use std::ops::Range;
-use std::sync::Arc;
+use crate::prelude::*;
+use alloc::borrow::Cow;
+use alloc::sync::Arc;
+use core::ops::Range;
 
 /// One run of a knob, as whoever recorded it knows it again.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

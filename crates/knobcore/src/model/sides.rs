@@ -8,6 +8,7 @@ use super::{Model, Part, Slot};
 use crate::effects::{Id, Place};
 use crate::error::{Error, Result};
 use crate::motion::{Channel, Load, Motion};
+use crate::prelude::*;
 
 /// The loads of a model as they would be on a rigid shaft, sample by sample.
 #[derive(Debug, Clone)]

@@ -12,12 +12,13 @@ use crate::effects::formula::written::{Acts, Asked, made};
 use crate::effects::{Id, User};
 use crate::error::{Error, Result};
 use crate::param::{Axis, Param, Unit};
-use std::collections::HashMap;
-use std::fmt::Write;
+use crate::prelude::*;
+use alloc::collections::BTreeMap;
+use core::fmt::Write;
 use toml::{Table, Value};
 
 /// Effects of a file by their names, those with a law of its own before those of the catalogue.
-pub(super) struct Own(HashMap<String, Id>);
+pub(super) struct Own(BTreeMap<String, Id>);
 
 impl Own {
     /// The effect of this name.
@@ -31,7 +32,7 @@ impl Own {
 /// # Errors
 /// Names the law and the character, or the parameter, that is wrong.
 pub(super) fn own(effects: &Table) -> Result<(Table, Own)> {
-    let (mut effects, mut own) = (effects.clone(), HashMap::new());
+    let (mut effects, mut own) = (effects.clone(), BTreeMap::new());
     for (id, table) in effects.iter_mut() {
         let Some(table) = table.as_table_mut().filter(|table| table.contains_key("law")) else { continue };
         let bad = |key: &str, why: &str| Error::invalid(format!("'{key}' of effect '{id}'"), why);
@@ -45,7 +46,7 @@ pub(super) fn own(effects: &Table) -> Result<(Table, Own)> {
         }
         let law = word(table, "law")?.unwrap_or_default();
         let acts = word(table, "acts")?.unwrap_or_else(|| "load".into());
-        let mut asked = HashMap::new();
+        let mut asked = BTreeMap::new();
         for (name, value) in table.iter_mut() {
             let mut one = Asked::default();
             if let Some(row) = value.as_table_mut() {

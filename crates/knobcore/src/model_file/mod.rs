@@ -24,10 +24,11 @@ mod laws;
 use crate::effects::{Id, Place};
 use crate::error::{Error, Result};
 use crate::model::{Model, Role, Run};
+use crate::prelude::*;
 
 use crate::param::{Axis, Given, Usual};
-use std::fmt::Write;
-use std::sync::Arc;
+use alloc::sync::Arc;
+use core::fmt::Write;
 use toml::{Table, Value};
 
 /// The version of the file that is written and read.

@@ -1,7 +1,7 @@
 //! Which way each lane of a number goes, where not all of them go the same.
 
 use super::{Dual, Packed, Scalar};
-use std::fmt::Debug;
+use core::fmt::Debug;
 
 /// A set of lanes.
 pub trait Lanes: Copy + Debug + PartialEq {
@@ -117,7 +117,7 @@ impl<const L: usize> Lanes for Mask<L> {
     }
     #[inline(always)]
     fn and(self, other: Self) -> Self {
-        Self(std::array::from_fn(|i| self.0[i] & other.0[i]))
+        Self(core::array::from_fn(|i| self.0[i] & other.0[i]))
     }
     #[inline(always)]
     fn any(self) -> bool {
@@ -146,7 +146,7 @@ impl<const L: usize> Branches for Packed<L> {
     }
     #[inline(always)]
     fn choose(lanes: Mask<L>, yes: Self, no: Self) -> Self {
-        Self(std::array::from_fn(|i| if lanes.0[i] != 0 { yes.0[i] } else { no.0[i] }))
+        Self(core::array::from_fn(|i| if lanes.0[i] != 0 { yes.0[i] } else { no.0[i] }))
     }
 }
 

@@ -3,7 +3,7 @@
 //! Source: Wengert, R. E. (1964), "A simple automatic derivative evaluation program", CACM 7(8).
 
 use super::Scalar;
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Work for each of a number of lanes. The first twelve are written out: in a loop it is not known at compile time which
 /// of them vanish.

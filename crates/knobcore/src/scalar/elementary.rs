@@ -4,7 +4,7 @@
 //! multiply-add: its rounding would differ between machines that have it and machines that do not.
 #![expect(clippy::excessive_precision, reason = "constants keep the digits that their sources print")]
 
-use std::f64::consts::FRAC_2_PI;
+use core::f64::consts::FRAC_2_PI;
 
 /// pi/2 in three parts, the first two with trailing zero bits, so that `k` times each is exact for
 /// |k| < 2^20 (Cody & Waite 1980, "Software Manual for the Elementary Functions").
@@ -54,7 +54,7 @@ const MOST: f64 = 700.0;
 pub fn exp(x: f64) -> f64 {
     let x = if x > MOST { MOST } else { x };
     let x = if x < -MOST { -MOST } else { x };
-    let shifted = x * std::f64::consts::LOG2_E + ROUND;
+    let shifted = x * core::f64::consts::LOG2_E + ROUND;
     let k = shifted - ROUND;
     let (high, low) = (x - k * LN2[0], k * LN2[1]);
     let r = high - low;

@@ -4,7 +4,7 @@
 //! none. What a compiler may not leave out of itself (zero times infinity is no zero) is left out here.
 
 use super::Scalar;
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A number, or a zero that every operation knows.
 #[derive(Debug, Clone, Copy, PartialEq)]

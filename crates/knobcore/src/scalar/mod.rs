@@ -16,8 +16,8 @@ pub(crate) use dual::lane_by_lane;
 pub use known::Known;
 pub use pack::{LANES, Pack, Packed, WIDE, Wide};
 
-use std::fmt::Debug;
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use core::fmt::Debug;
+use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A real number, a pack of them, or either with derivatives.
 pub trait Scalar:

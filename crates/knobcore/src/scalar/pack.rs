@@ -2,7 +2,7 @@
 #![expect(clippy::needless_range_loop, reason = "a count known to the compiler becomes vector instructions")]
 
 use super::{Scalar, elementary};
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Samples in a [`Pack`]: one AVX2 register. More would fill the registers that derivatives need, and take longer to
 /// compile.
@@ -27,7 +27,7 @@ impl<const L: usize> Packed<L> {
             return Self(*lanes);
         }
         let last = x.len().saturating_sub(1);
-        Self(std::array::from_fn(|i| x.get((at + i).min(last)).copied().unwrap_or(0.0)))
+        Self(core::array::from_fn(|i| x.get((at + i).min(last)).copied().unwrap_or(0.0)))
     }
 
     /// Writes as many lanes as `out` has room for from `at` on.

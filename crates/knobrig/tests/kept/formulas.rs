@@ -9,7 +9,7 @@ use knobcore::effects::formula::written::{Asked, made};
 use knobcore::effects::{Context, Id};
 use knobcore::param::{Axis, Unit};
 use knobcore::predict::torque;
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 const LAWS: [&str; 34] = [
     "a theta",
@@ -67,9 +67,9 @@ fn laws_that_people_write() {
         let how = format!("{:?} {} {:?}", law.linear(), law.remembers(), law.over_alpha());
         told.words("  how", how);
         for (answer, known) in [
-            (Unit::of(1, 0, 0), HashMap::new()),
-            (Unit::NUMBER, HashMap::new()),
-            (Unit::of(1, 0, 0), HashMap::from([("a", Unit::of(1, -1, 0)), ("w", Unit::of(0, 1, 0))])),
+            (Unit::of(1, 0, 0), BTreeMap::new()),
+            (Unit::NUMBER, BTreeMap::new()),
+            (Unit::of(1, 0, 0), BTreeMap::from([("a", Unit::of(1, -1, 0)), ("w", Unit::of(0, 1, 0))])),
         ] {
             let units = law.units(&known, answer).map(|units| {
                 let texts: Vec<String> = units.iter().map(|unit| unit.text(Axis::Rotary)).collect();
@@ -91,11 +91,11 @@ fn laws_wherever_they_act() {
     let mut told = Answers::of("laws");
     let signals = motion();
     let surveyed = carrier(&knob(), &signals, 1e-3, 1.0).survey;
-    let narrow = HashMap::from([("w".to_owned(), Asked { bounds: [0.1, 9.0], ..Asked::default() })]);
+    let narrow = BTreeMap::from([("w".to_owned(), Asked { bounds: [0.1, 9.0], ..Asked::default() })]);
     for acts in ["load", "friction", "sensor", "nowhere"] {
         for (i, text) in LAWS.iter().enumerate().filter(|(i, _)| i % 3 != 1) {
             // What is said of a parameter that a law does not have is refused, once in a while.
-            let asked = if text.contains("/w") || i % 9 == 0 { narrow.clone() } else { HashMap::new() };
+            let asked = if text.contains("/w") || i % 9 == 0 { narrow.clone() } else { BTreeMap::new() };
             let law = match made(&format!("kept_{acts}_{i}"), acts, text, &asked) {
                 Ok(law) => law,
                 Err(why) => {

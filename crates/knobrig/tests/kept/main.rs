@@ -22,7 +22,7 @@ use knobcore::model::Model;
 use knobcore::param::Axis;
 use knobcore::prepare::Preparation;
 use knobcore::signals::Signals;
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 const COUNT: usize = 2500;
@@ -179,8 +179,8 @@ fn a_slide_that_runs_into_its_stops() {
 fn a_law_of_ones_own() {
     let bends = |omega: f64| 0.02 * (omega / 2.0) / (1.0 + (omega / 2.0).powi(2));
     let capture = recorded(COUNT, &WAVES, 0.0, 14, |_, motion| base(motion) + bends(motion[1]));
-    let law = register("kept_law", "load", "2 a (omega/w) / (1 + (omega/w)^2)", &HashMap::new()).unwrap();
-    let asked = HashMap::from([("w".to_owned(), Asked { bounds: [0.1, 9.0], ..Asked::default() })]);
+    let law = register("kept_law", "load", "2 a (omega/w) / (1 + (omega/w)^2)", &BTreeMap::new()).unwrap();
+    let asked = BTreeMap::from([("w".to_owned(), Asked { bounds: [0.1, 9.0], ..Asked::default() })]);
     let scales = register("kept_factor", "friction", "1 + c exp(-(theta/w)^2)", &asked).unwrap();
     let mut told = Answers::of("own");
     let effects = [Id::User(law), Id::User(scales), Id::Stribeck, Id::QuadraticDrag];

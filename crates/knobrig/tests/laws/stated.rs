@@ -8,7 +8,7 @@ use knobcore::chain::{Hand, push};
 use knobcore::effects::formula::written::made;
 use knobcore::model_file;
 use knobrender::Renderer;
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 /// Name, how it acts, law, and the values of its parameters.
 type Row = (&'static str, &'static str, &'static str, &'static [f64]);
@@ -27,7 +27,7 @@ const LAWS: [Row; 9] = [
 ];
 
 fn stated((name, acts, law, _): Row) -> Id {
-    Id::User(made(name, acts, law, &HashMap::new()).unwrap())
+    Id::User(made(name, acts, law, &BTreeMap::new()).unwrap())
 }
 
 /// A knob with the law, or without one; where asked for behind a joint.

@@ -19,11 +19,12 @@ if TYPE_CHECKING:
 _HEADER = """\
 /* {about}
 
-   The render step of knobcam: compile as C or C++ and link the library knobstep, static or shared:
+   The render step of knobcam: compile as C or C++ and link the library knobstep, which needs no operating
+   system and no heap:
 
        {link}
 
-   Only knob_new takes memory; a step takes none, and never locks, waits or prints. */
+   Only knob_new takes memory, of what it sets aside; a step takes none, and never locks, waits or prints. */
 #ifndef KNOBCAM_KNOB_H
 #define KNOBCAM_KNOB_H
 
@@ -35,6 +36,10 @@ extern "C" {{
 
 typedef struct knobcam_knob knobcam_knob;
 
+/* Memory that knobs are made in, no longer yours; several are shared out together. The shared library takes
+   its own. knobcam_needs: how many bytes it takes at most to make a knob of a model. */
+void knobcam_memory(void *memory, size_t bytes);
+size_t knobcam_needs(const char *model);
 /* NULL where the model cannot be rendered; `why` (of `room` bytes, or NULL) then says so. `held`: 0 on a
    handle that a hand turns or that a simulation moves by the torque, 1 where the motion is imposed. */
 knobcam_knob *knobcam_new(const char *model, double rate_hz, int held, char *why, size_t room);
@@ -49,11 +54,17 @@ void knobcam_reset(knobcam_knob *knob);
 void knobcam_free(knobcam_knob *knob);
 
 #define KNOB_RATE_HZ {rate!r}
+#define KNOB_MEMORY {needs} /* bytes */
 
 static const char KNOB_MODEL[] =
 {model};
 
+/* For one knob; for more of them give more by knobcam_memory first. */
 static inline knobcam_knob *knob_new(int held, char *why, size_t room) {{
+    static double memory[KNOB_MEMORY / sizeof(double)];
+    static int given = 0;
+    if (!given) {{ knobcam_memory(memory, sizeof memory); }}
+    given = 1;
     return knobcam_new(KNOB_MODEL, KNOB_RATE_HZ, held, why, room);
 }}
 
@@ -69,6 +80,15 @@ def checked_text(model: Model, rate_hz: float) -> str:
     """Return the text of a model that the render step takes. InputError says why it does not."""
     rendered(model, rate_hz)
     return model.text()
+
+
+def in_few_words(model: Model) -> Model:
+    """Return a model whose file is shorter: what a fit may do with a parameter is nothing to a renderer."""
+    for name, param in model.params.items():
+        if param.role in ("free", "fixed"):
+            other = model.with_fixed(name, param.role == "free")
+            model = min(model, other, key=lambda one: len(one.text()))
+    return model
 
 
 def literal(text: str) -> str:
@@ -87,17 +107,19 @@ def units(model: Model) -> tuple[str, str]:
 def write(model: Model, terms: Mapping[str, Term], options: Options) -> Form:
     """Write the header; the library comes with the package."""
     static, shared = library.static(), library.shared()
-    link = f"gcc -O2 main.c {static or shared} -lm -lpthread -ldl"
+    link = f"gcc -O2 main.c {static or shared}"
     if static is None:
         link += f" -Wl,-rpath,{shared.parent}"
+    constant = checked_text(in_few_words(model), options.rate_hz)
     torque, motion = units(model)
     text = _HEADER.format(
         about=" ".join(options.header).replace("*/", "* /"),
-        link="gcc -O2 main.c libknobstep.a -lm -lpthread -ldl",
+        link="gcc -O2 main.c libknobstep.a",
         torque=torque,
         motion=motion,
         rate=options.rate_hz,
-        model=literal(checked_text(model, options.rate_hz)),
+        model=literal(constant),
+        needs=-8 * (-library.needs(constant) // 8),
     )
     return Form((), text, remarks=(f"To link a program with it: {link}",))
 

@@ -56,6 +56,8 @@ def loaded() -> Any:
     """Return the shared library with the types of its functions."""
     library = ctypes.CDLL(str(shared()))
     text, number, whole, knob = ctypes.c_char_p, ctypes.c_double, ctypes.c_int, ctypes.c_void_p
+    library.knobcam_needs.argtypes = [text]
+    library.knobcam_needs.restype = ctypes.c_size_t
     library.knobcam_new.argtypes = [text, number, whole, text, ctypes.c_size_t]
     library.knobcam_new.restype = knob
     library.knobcam_step.argtypes = [knob, number, number, number]
@@ -63,6 +65,11 @@ def loaded() -> Any:
     library.knobcam_free.argtypes = [knob]
     library.knobcam_free.restype = None
     return library
+
+
+def needs(model: str) -> int:
+    """Return the bytes of memory with which a program without an operating system makes a model's knob."""
+    return int(loaded().knobcam_needs(model.encode()))
 
 
 class Knob:

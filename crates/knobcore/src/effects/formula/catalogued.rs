@@ -8,6 +8,7 @@ use crate::effects::law::LEAST;
 use crate::error::{Error, Result};
 use crate::motion::Motion;
 use crate::param::{Kind, Param, Usual};
+use crate::prelude::*;
 use crate::random::Noise;
 
 /// Words of Rust, and names that the file has already: no parameter is called so.

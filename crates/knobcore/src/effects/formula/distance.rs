@@ -1,6 +1,7 @@
 //! How far a knob has gone since it turned round.
 
 use crate::motion::Motion;
+use crate::prelude::*;
 use crate::scalar::Scalar;
 
 /// What is remembered from sample to sample, zero at first: the way that the knob goes (1 or -1), where it turned round

@@ -1,6 +1,8 @@
 //! What a law may call, over numbers, packs of samples, or either with derivatives. What [`Scalar`] has is called there.
 
 use super::{Function, Op};
+#[cfg(not(feature = "std"))]
+use crate::prelude::*;
 use crate::scalar::Scalar;
 
 /// A function of one number.

@@ -6,6 +6,8 @@
 //! every other name is a parameter. What no formula says is written as a spline through numbers.
 
 pub mod catalogued;
+#[cfg(feature = "std")]
+mod columns;
 mod distance;
 mod evaluate;
 mod functions;
@@ -19,17 +21,18 @@ pub mod written;
 
 use crate::motion::Motion;
 use crate::param::Unit;
+use crate::prelude::*;
 use crate::random::Noise;
 use crate::scalar::Dual;
 pub(crate) use distance::{STATES, follow};
 pub(crate) use evaluate::Room;
 // What a file of the catalogue that was written from a formula may call.
+use alloc::collections::BTreeMap;
 #[allow(unused_imports)]
 pub(crate) use functions::{log, power, raised, sign, spline, tan, tanh};
 pub use parse::Mistake;
 use parse::PARAMETERS;
 pub(crate) use starts::starts;
-use std::collections::HashMap;
 
 /// Motions in which each parameter of a law is tried.
 const TRIALS: usize = 100;
@@ -38,7 +41,7 @@ const TRIALS: usize = 100;
 const ROUNDED: f64 = 1e-3;
 
 fn filled(p: &[f64]) -> [f64; PARAMETERS] {
-    std::array::from_fn(|i| p.get(i).copied().unwrap_or(0.0))
+    core::array::from_fn(|i| p.get(i).copied().unwrap_or(0.0))
 }
 
 /// What of the motion a law looks at.
@@ -238,7 +241,7 @@ impl Formula {
     ///
     /// # Errors
     /// Where units do not agree, and which parameters have none that follows.
-    pub fn units(&self, known: &HashMap<&str, Unit>, answer: Unit) -> Result<Vec<Unit>, Mistake> {
+    pub fn units(&self, known: &BTreeMap<&str, Unit>, answer: Unit) -> Result<Vec<Unit>, Mistake> {
         units::inferred(self, known, answer)
     }
 

@@ -1,6 +1,7 @@
 //! From the text of a law to the steps that evaluate it.
 
 use super::{Function, Op, Step, Variable};
+use crate::prelude::*;
 
 /// Characters of a law: what is longer nobody reads.
 const LONGEST: usize = 1000;
@@ -9,7 +10,7 @@ const STEPS: usize = 200;
 /// Numbers that are kept at a time while it is evaluated, and brackets within brackets.
 const DEPTH: usize = 32;
 /// Values of a spline: at least those of one piece, and no more than anybody looks at.
-const VALUES: std::ops::RangeInclusive<usize> = 4..=64;
+const VALUES: core::ops::RangeInclusive<usize> = 4..=64;
 /// How a spline is written.
 pub(super) const SPLINE: &str = "spline";
 /// Parameters of a law.
@@ -275,7 +276,7 @@ impl Reader {
 
     /// A sum in brackets, or between bars.
     fn within(&mut self, bar: bool) -> Result<(), Mistake> {
-        let before = std::mem::replace(&mut self.bar, bar);
+        let before = core::mem::replace(&mut self.bar, bar);
         self.sum()?;
         self.bar = before;
         Ok(())
@@ -344,7 +345,7 @@ impl Reader {
             return self.put(at, Op::Motion(variable));
         }
         if name == "pi" {
-            return self.put(at, Op::Number(std::f64::consts::PI));
+            return self.put(at, Op::Number(core::f64::consts::PI));
         }
         if self.peek() == Some(&Token::Sign('(')) && name.len() > 1 && !self.params.contains(&name) {
             let known: Vec<&str> = Function::ALL.iter().map(|function| function.name()).collect();

@@ -6,6 +6,7 @@ use super::parse::PARAMETERS;
 use super::{Formula, Op, Room, filled};
 use crate::algebra::{dot, orthonormal, project};
 use crate::motion::Motion;
+use crate::prelude::*;
 use crate::random::Noise;
 use crate::scalar::Dual;
 
@@ -23,12 +24,9 @@ impl Formula {
     /// speed in `a (|omega|/w)^n`: no capture tells them.
     pub(super) fn undone(&self) -> Vec<usize> {
         let linear = self.linear();
-        let others = (0..self.params.len()).filter(|at| !linear.contains(at));
         if linear.is_empty() {
             return Vec::new();
         }
-        let mut noise = Noise::new(3);
-        let trials: Vec<Vec<Vec<f64>>> = (0..TRIALS).map(|_| self.slopes_anywhere(&mut noise)).collect();
         let made_up = |slopes: &Vec<Vec<f64>>, at: usize| {
             let rows = slopes[at].len();
             let base: Vec<Vec<f64>> = linear.iter().map(|at| slopes[*at].clone()).collect();
@@ -38,7 +36,13 @@ impl Formula {
             // Rows that are fewer than the columns would make anything up.
             rows > 2 * self.params.len() && dot(&own, &own) <= ROUNDED.powi(2) * size
         };
-        others.filter(|at| trials.iter().all(|slopes| made_up(slopes, *at))).collect()
+        let mut undone: Vec<usize> = (0..self.params.len()).filter(|at| !linear.contains(at)).collect();
+        let mut noise = Noise::new(3);
+        for _ in 0..TRIALS {
+            let slopes = self.slopes_anywhere(&mut noise);
+            undone.retain(|at| made_up(&slopes, *at));
+        }
+        undone
     }
 
     /// The slopes by all parameters, at one set of values, over motions at which they are numbers.

@@ -2,6 +2,7 @@
 
 use super::tree::{Node, tree};
 use super::{Function, Op, Step, Variable};
+use crate::prelude::*;
 
 /// Numbers that are kept at a time: those that are needed twice, as far as there is room, and below them what an
 /// operation waits for. Of an operation the part that needs more of them comes first, so that those of the longest law

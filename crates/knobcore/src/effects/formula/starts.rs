@@ -2,6 +2,7 @@
 
 use crate::effects::Survey;
 use crate::param::{Kind, Param, Usual};
+use crate::prelude::*;
 
 /// Starts of a search at most.
 const STARTS: usize = 27;

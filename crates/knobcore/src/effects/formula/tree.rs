@@ -2,6 +2,7 @@
 
 use super::functions::applied;
 use super::{Op, Step};
+use crate::prelude::*;
 
 /// A number of a law, and which others it is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,7 +7,8 @@
 use super::parse::SPLINE;
 use super::{Formula, Function, Mistake, Op, Variable};
 use crate::param::{Axis, Unit};
-use std::collections::HashMap;
+use crate::prelude::*;
+use alloc::collections::BTreeMap;
 
 /// Powers below this are none.
 const NONE: f64 = 1e-9;
@@ -105,7 +106,7 @@ impl Checked {
 /// See [`Formula::units`].
 pub(super) fn inferred(
     law: &Formula,
-    known: &HashMap<&str, Unit>,
+    known: &BTreeMap<&str, Unit>,
     answer: Unit,
 ) -> Result<Vec<Unit>, Mistake> {
     let count = law.params.len();

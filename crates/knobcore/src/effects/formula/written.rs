@@ -6,10 +6,11 @@ use crate::effects::law::Stated;
 use crate::effects::user::{Does, User};
 use crate::effects::{Info, Nonlinear, Place};
 use crate::error::{Error, Result};
+use crate::local::Shared;
 use crate::motion::Channel;
 use crate::param::{Kind, Param, Unit, Usual};
-use std::collections::HashMap;
-use std::sync::{Mutex, PoisonError};
+use crate::prelude::*;
+use alloc::collections::BTreeMap;
 
 /// What is known of a parameter of a formula before it is read.
 #[derive(Debug, Clone, PartialEq)]
@@ -95,13 +96,13 @@ impl Acts {
 }
 
 /// Those that were ever made, each once, however many models have it.
-static MADE: Mutex<Vec<&'static User>> = Mutex::new(Vec::new());
+static MADE: Shared<Vec<&'static User>> = Shared::new(Vec::new());
 
 /// Registers a formula as the effect `id` of the catalogue.
 ///
 /// # Errors
 /// As of [`made`].
-pub fn register(id: &str, acts: &str, text: &str, asked: &HashMap<String, Asked>) -> Result<&'static User> {
+pub fn register(id: &str, acts: &str, text: &str, asked: &BTreeMap<String, Asked>) -> Result<&'static User> {
     let user = made(id, acts, text, asked)?;
     user.enter();
     Ok(user)
@@ -111,7 +112,7 @@ pub fn register(id: &str, acts: &str, text: &str, asked: &HashMap<String, Asked>
 ///
 /// # Errors
 /// What is wrong with the law and at which character, or with what is said of its parameters.
-pub fn made(id: &str, acts: &str, text: &str, asked: &HashMap<String, Asked>) -> Result<&'static User> {
+pub fn made(id: &str, acts: &str, text: &str, asked: &BTreeMap<String, Asked>) -> Result<&'static User> {
     let acts = Acts::named(id, acts)?;
     let bad = |mistake: Mistake| Error::invalid(format!("law of effect '{id}'"), marked(text, &mistake));
     let law = Formula::parse(text).map_err(bad)?;
@@ -155,7 +156,17 @@ pub fn made(id: &str, acts: &str, text: &str, asked: &HashMap<String, Asked>) ->
             Row { name: name.clone(), unit, linear, neutral, usual, asked: one }
         })
         .collect();
-    let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
+    MADE.with(|made| once(made, id, acts, law, rows))
+}
+
+/// The effect as it was made before, or made now.
+fn once(
+    made: &mut Vec<&'static User>,
+    id: &str,
+    acts: Acts,
+    law: Formula,
+    rows: Vec<Row>,
+) -> Result<&'static User> {
     let same = |user: &&&User| {
         let rows_same = rows.len() == user.info.params.len()
             && rows.iter().zip(user.info.params).all(|(row, param)| row.is(param));

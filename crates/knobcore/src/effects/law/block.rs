@@ -3,7 +3,7 @@
 use crate::effects::LoadEffect;
 use crate::motion::{Channel, Load, Motion, Touched};
 use crate::scalar::{Packed, Scalar, WIDE, Wide};
-use std::ops::Range;
+use core::ops::Range;
 
 /// Samples that are evaluated at a time: their channels stay in the first cache.
 pub(crate) const BLOCK: usize = 256;
@@ -101,7 +101,7 @@ pub(crate) fn filled<'a>(columns: [&'a [f64]; 5], end: &'a mut Motions) -> [&'a 
         own.copy_from_slice(column);
         rest.fill(column.last().copied().unwrap_or(0.0));
     }
-    std::array::from_fn(|i| end[i].as_slice())
+    core::array::from_fn(|i| end[i].as_slice())
 }
 
 /// The loads over a block, coming together.
@@ -169,7 +169,7 @@ impl<'a> Totals<'a> {
 
     #[inline(always)]
     pub(super) fn add<const N: usize, E: LoadEffect<N>>(&mut self, p: &[f64]) {
-        let p: [Wide; N] = std::array::from_fn(|i| Wide::of(p.get(i).copied().unwrap_or(0.0)));
+        let p: [Wide; N] = core::array::from_fn(|i| Wide::of(p.get(i).copied().unwrap_or(0.0)));
         for at in (0..self.block.len()).step_by(WIDE) {
             let load = E::load(&p, &self.motion(at));
             self.join(at, &load, const { Channel::among(E::TOUCHES) });

@@ -1,34 +1,14 @@
-//! Loads that remember. Along time each sample waits for the one before it: elements go side by side, and of all
+//! Loads that remember, along whole columns. Along time each sample waits for the one before it: elements go side by side, and of all
 //! derivatives only those by the parameters that they share. What they ask of the rig is then worked out like any load,
 //! with samples side by side.
 
 use super::block::{BLOCK, Totals};
 use super::gradient::Gradient;
+use super::place::BEFORE;
 use super::{seeded, take};
 use crate::effects::MemoryEffect;
 use crate::motion::{Channel, Load, Motion};
 use crate::scalar::{Dual, Known, LANES, Pack, Packed, Scalar, WIDE, Wide};
-
-/// What comes before the elements in a state: 1 after the first sample, and the angle before.
-pub(super) const BEFORE: usize = 2;
-
-/// Brings the load at one instant into a sum. The state: [`BEFORE`], and what each element remembers.
-#[inline(always)]
-pub(super) fn recall<T: Scalar, const N: usize, const S: usize, const M: usize, E: MemoryEffect<N, S, M>>(
-    p: &[T],
-    state: &mut [T],
-    motion: &Motion<T>,
-    sum: &mut Load<T>,
-) {
-    let ([running, before, elements @ ..], Some(own)) = (state, p.get(S..)) else { return };
-    let by = *running * (motion.theta - *before);
-    (*running, *before) = (T::of(1.0), motion.theta);
-    let shared: [T; S] = take(p);
-    for ((z, own), element) in elements.iter_mut().zip(own).zip(E::ELEMENTS) {
-        *z = E::remember(&shared, T::of(element), *z, by);
-        sum.join(&E::load(*own, *z, motion), const { Channel::among(E::TOUCHES) });
-    }
-}
 
 /// Numbers of a sample in a trace: what the elements remember, and the derivatives of that by `R` parameters.
 const fn row(derivatives: usize) -> usize {
@@ -54,7 +34,7 @@ fn trace<const R: usize>(kept: &[f64]) -> &[f64] {
 #[inline(always)]
 fn across<const R: usize>(trace: &[f64], at: usize, column: usize) -> Pack {
     let rows = &trace[at * row(R)..][..LANES * row(R)];
-    Packed(std::array::from_fn(|lane| rows[lane * row(R) + column]))
+    Packed(core::array::from_fn(|lane| rows[lane * row(R) + column]))
 }
 
 /// Follows the elements along a block of angles.
@@ -69,9 +49,10 @@ fn follow<const R: usize, const N: usize, const S: usize, const M: usize, E: Mem
     let Some((before, rows)) = kept.split_first_chunk_mut::<BEFORE>() else { return };
     let (last, trace) = rows.split_at_mut(row(R));
     let shared: [Dual<Known<Wide>, R>; S] = seeded(p, 0);
-    let elements = Packed(std::array::from_fn(|i| E::ELEMENTS.get(i).copied().unwrap_or(1.0)));
+    let elements = Packed(core::array::from_fn(|i| E::ELEMENTS.get(i).copied().unwrap_or(1.0)));
     let constant = |x: Wide| Dual::constant(Known::any(x));
-    let mut z = Dual { v: Wide::load(last, 0), d: std::array::from_fn(|i| Wide::load(last, WIDE * (1 + i))) };
+    let mut z =
+        Dual { v: Wide::load(last, 0), d: core::array::from_fn(|i| Wide::load(last, WIDE * (1 + i))) };
     let [running, angle] = before;
     if let Some(first) = theta.first().filter(|_| *running == 0.0) {
         (*running, *angle) = (1.0, *first);

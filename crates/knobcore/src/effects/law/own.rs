@@ -1,11 +1,11 @@
 //! A function of the user's own as a [`Law`]: called for whole columns, differentiated by central differences.
 
-use super::block::Totals;
-use super::gradient::Gradient;
-use super::response::Response;
-use super::{D, Law};
+use super::Law;
+#[cfg(feature = "std")]
+use super::{Along, D, Gradient, Response, Totals};
 use crate::effects::{Carrier, Info, Joint, Place, Survey, User};
 use crate::motion::{Channel, Load, Motion};
+use crate::prelude::*;
 use crate::scalar::Dual;
 
 /// Change of a torque, as a share of its size, by which a sensor is differentiated.
@@ -20,7 +20,10 @@ impl User {
     fn loads(&self) -> bool {
         self.info.place == Place::Load
     }
+}
 
+#[cfg(feature = "std")]
+impl User {
     /// Its joint, with derivatives where the parameters have some.
     fn carried(&self, p: &[D]) -> Option<Joint<D>> {
         let values: Vec<f64> = p.iter().map(|p| p.v).collect();
@@ -46,29 +49,8 @@ impl Law for User {
         self.info
     }
 
-    fn starts(&self, _: &Survey) -> Vec<Vec<f64>> {
-        if self.starts.is_empty() {
-            return vec![self.info.params.iter().map(|param| param.neutral).collect()];
-        }
-        self.starts.clone()
-    }
-
-    fn typical(&self, carrier: &Carrier<'_>) -> Vec<f64> {
-        carrier.by_unit(self.info.params)
-    }
-
     fn remembers(&self) -> bool {
         self.remembers || self.info.place == Place::Coupling
-    }
-
-    fn kept(&self, p: &[f64], columns: &[Option<usize>], motion: [&[f64]; 5]) -> Vec<f64> {
-        if !self.loads() {
-            return Vec::new();
-        }
-        let mut kept = self.over(p, &motion);
-        let asked = columns.iter().enumerate().filter(|(_, column)| column.is_some());
-        asked.for_each(|(i, _)| kept.extend(self.slope(p, i, &motion)));
-        kept
     }
 
     fn load(&self, p: &[f64], _: &mut [f64], motion: &Motion<f64>, sum: &mut Load<f64>) {
@@ -85,6 +67,30 @@ impl Law for User {
 
     fn joint(&self, p: &[f64]) -> Option<Joint<f64>> {
         self.joined(p)
+    }
+}
+
+#[cfg(feature = "std")]
+impl Along for User {
+    fn starts(&self, _: &Survey) -> Vec<Vec<f64>> {
+        if self.starts.is_empty() {
+            return vec![self.info.params.iter().map(|param| param.neutral).collect()];
+        }
+        self.starts.clone()
+    }
+
+    fn typical(&self, carrier: &Carrier<'_>) -> Vec<f64> {
+        carrier.by_unit(self.info.params)
+    }
+
+    fn kept(&self, p: &[f64], columns: &[Option<usize>], motion: [&[f64]; 5]) -> Vec<f64> {
+        if !self.loads() {
+            return Vec::new();
+        }
+        let mut kept = self.over(p, &motion);
+        let asked = columns.iter().enumerate().filter(|(_, column)| column.is_some());
+        asked.for_each(|(i, _)| kept.extend(self.slope(p, i, &motion)));
+        kept
     }
 
     fn joint_carried(&self, p: &[D]) -> Option<Joint<D>> {

@@ -1,18 +1,12 @@
 //! The places of the chain at which an effect of the catalogue acts, each as a [`Law`].
 
-use super::block::Totals;
-use super::gradient::Gradient;
-use super::response::Response;
-use super::{Carried, D, Law, memory, take};
+use super::{Law, take};
 use crate::effects::{
-    Carrier, Context, CouplingEffect, Info, Joint, LateEffect, LoadEffect, MemoryEffect, Place, SensorEffect,
-    Survey,
+    CouplingEffect, Info, Joint, LateEffect, LoadEffect, MemoryEffect, Place, SensorEffect,
 };
-use crate::isa;
 use crate::motion::{Channel, Load, Motion};
-use crate::scalar::{LANES, WIDE, Wide};
-use pulp::{NullaryFnOnce, Simd, WithSimd};
-use std::marker::PhantomData;
+use crate::scalar::Scalar;
+use core::marker::PhantomData;
 
 /// A joint between shaft and knob.
 pub(crate) struct Couples<E, const N: usize>(pub PhantomData<E>);
@@ -32,18 +26,6 @@ macro_rules! told {
             const { &Info::of::<N, E>($place, &E::PARAMS) }
         }
 
-        fn starts(&self, survey: &Survey) -> Vec<Vec<f64>> {
-            E::starts(survey).into_iter().map(Vec::from).collect()
-        }
-
-        fn typical(&self, carrier: &Carrier<'_>) -> Vec<f64> {
-            E::typical(carrier).into()
-        }
-
-        fn implausible(&self, p: &[f64], context: &Context) -> Vec<String> {
-            E::implausible(&take(p), context)
-        }
-
         fn builds_up_over(&self, p: &[f64]) -> Option<f64> {
             E::builds_up_over(&take(p))
         }
@@ -60,14 +42,6 @@ impl<E: CouplingEffect<N> + Sync, const N: usize> Law for Couples<E, N> {
     fn joint(&self, p: &[f64]) -> Option<Joint<f64>> {
         Some(E::joint(&take(p)))
     }
-
-    fn joint_carried(&self, p: &[D]) -> Option<Joint<D>> {
-        Some(E::joint(&take(p)))
-    }
-
-    fn joint_wide(&self, p: &[Wide]) -> Option<Joint<Wide>> {
-        Some(E::joint(&take(p)))
-    }
 }
 
 impl<E: LoadEffect<N> + Sync, const N: usize, const L: usize> Law for Loads<E, N, L> {
@@ -75,24 +49,6 @@ impl<E: LoadEffect<N> + Sync, const N: usize, const L: usize> Law for Loads<E, N
 
     fn load(&self, p: &[f64], _: &mut [f64], motion: &Motion<f64>, sum: &mut Load<f64>) {
         sum.join(&E::load(&take(p), motion), const { Channel::among(E::TOUCHES) });
-    }
-
-    fn load_carried(&self, p: &[D], _: &mut [D], motion: &Motion<D>, sum: &mut Load<D>) {
-        isa::dispatch(Summed::<_, E, N>(p, motion, sum, PhantomData));
-    }
-
-    fn load_wide(&self, p: &[Wide], _: &mut [Wide], motion: &Motion<Wide>, sum: &mut Load<Wide>) {
-        isa::dispatch_wide(Summed::<_, E, N>(p, motion, sum, PhantomData));
-    }
-
-    fn total(&self, p: &[f64], _: &mut [f64], totals: &mut Totals<'_>) {
-        isa::dispatch_wide(Totalled::<E, N>(p, totals, PhantomData));
-    }
-
-    fn slopes(&self, p: &[f64], columns: &[Option<usize>], _: &mut [f64], gradient: &mut Gradient<'_>) {
-        if columns.iter().any(Option::is_some) {
-            isa::dispatch_wide(Chained::<E, N, L>(p, columns, gradient, PhantomData));
-        }
     }
 }
 
@@ -102,37 +58,15 @@ impl<E: MemoryEffect<N, S, M> + Sync, const N: usize, const S: usize, const M: u
     told!(Place::Load);
 
     fn states(&self) -> usize {
-        memory::BEFORE + M
+        BEFORE + M
     }
 
     fn remembers(&self) -> bool {
         true
     }
 
-    fn kept(&self, _: &[f64], columns: &[Option<usize>], _: [&[f64]; 5]) -> Vec<f64> {
-        memory::kept(if columns.iter().any(Option::is_some) { S } else { 0 })
-    }
-
     fn load(&self, p: &[f64], state: &mut [f64], motion: &Motion<f64>, sum: &mut Load<f64>) {
-        memory::recall::<_, N, S, M, E>(p, state, motion, sum);
-    }
-
-    fn load_carried(&self, p: &[D], state: &mut [D], motion: &Motion<D>, sum: &mut Load<D>) {
-        isa::dispatch(Recalled::<_, E, N, S, M>(p, state, motion, sum, PhantomData));
-    }
-
-    fn load_wide(&self, p: &[Wide], state: &mut [Wide], motion: &Motion<Wide>, sum: &mut Load<Wide>) {
-        isa::dispatch_wide(Recalled::<_, E, N, S, M>(p, state, motion, sum, PhantomData));
-    }
-
-    fn total(&self, p: &[f64], kept: &mut [f64], totals: &mut Totals<'_>) {
-        isa::dispatch_wide(TotalledOn::<E, N, S, M>(p, kept, totals, PhantomData));
-    }
-
-    fn slopes(&self, p: &[f64], columns: &[Option<usize>], kept: &mut [f64], gradient: &mut Gradient<'_>) {
-        if columns.iter().any(Option::is_some) {
-            isa::dispatch(ChainedOn::<E, N, S, M>(p, columns, kept, gradient, PhantomData));
-        }
+        recall::<_, N, S, M, E>(p, state, motion, sum);
     }
 }
 
@@ -142,133 +76,29 @@ impl<E: LateEffect<N> + Sync, const N: usize> Law for Delays<E, N> {
     fn remembers(&self) -> bool {
         true
     }
-
-    fn pass(&self, p: &[f64], columns: &[Option<usize>], over: &mut Response<'_>) {
-        over.late::<N, E>(p, columns);
-    }
 }
 
 impl<E: SensorEffect<N> + Sync, const N: usize, const L: usize> Law for Senses<E, N, L> {
     told!(Place::Sensor);
-
-    fn pass(&self, p: &[f64], columns: &[Option<usize>], over: &mut Response<'_>) {
-        isa::dispatch(Sensed::<E, N, L>(p, columns, over, PhantomData));
-    }
 }
 
-// Work as values: their bodies, unlike those of closures, are sure to be compiled into the function that has the
-// machine's instruction set.
+/// What comes before the elements in a state: 1 after the first sample, and the angle before.
+pub(super) const BEFORE: usize = 2;
 
-struct Summed<'a, T, E, const N: usize>(&'a [T], &'a Motion<T>, &'a mut Load<T>, PhantomData<E>);
-
-impl<T: Carried, E: LoadEffect<N>, const N: usize> NullaryFnOnce for Summed<'_, T, E, N> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        self.2.join(&E::load(&take(self.0), self.1), const { Channel::among(E::TOUCHES) });
-    }
-}
-
-struct Recalled<'a, T, E, const N: usize, const S: usize, const M: usize>(
-    &'a [T],
-    &'a mut [T],
-    &'a Motion<T>,
-    &'a mut Load<T>,
-    PhantomData<E>,
-);
-
-impl<T: Carried, E: MemoryEffect<N, S, M>, const N: usize, const S: usize, const M: usize> NullaryFnOnce
-    for Recalled<'_, T, E, N, S, M>
-{
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        memory::recall::<_, N, S, M, E>(self.0, self.1, self.2, self.3);
-    }
-}
-
-struct Totalled<'a, 'b, E, const N: usize>(&'a [f64], &'a mut Totals<'b>, PhantomData<E>);
-
-impl<E: LoadEffect<N>, const N: usize> NullaryFnOnce for Totalled<'_, '_, E, N> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        self.1.add::<N, E>(self.0);
-    }
-}
-
-struct TotalledOn<'a, 'b, E, const N: usize, const S: usize, const M: usize>(
-    &'a [f64],
-    &'a mut [f64],
-    &'a mut Totals<'b>,
-    PhantomData<E>,
-);
-
-impl<E: MemoryEffect<N, S, M>, const N: usize, const S: usize, const M: usize> NullaryFnOnce
-    for TotalledOn<'_, '_, E, N, S, M>
-{
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        self.2.add_remembering::<N, S, M, E>(self.0, self.1);
-    }
-}
-
-struct Chained<'a, 'b, E, const N: usize, const L: usize>(
-    &'a [f64],
-    &'a [Option<usize>],
-    &'a mut Gradient<'b>,
-    PhantomData<E>,
-);
-
-impl<E: LoadEffect<N>, const N: usize, const L: usize> WithSimd for Chained<'_, '_, E, N, L> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        if S::F64_LANES == WIDE {
-            self.2.chain::<WIDE, N, L, E>(self.0, self.1);
-        } else {
-            self.2.chain::<LANES, N, L, E>(self.0, self.1);
-        }
-    }
-}
-
-struct ChainedOn<'a, 'b, E, const N: usize, const S: usize, const M: usize>(
-    &'a [f64],
-    &'a [Option<usize>],
-    &'a [f64],
-    &'a mut Gradient<'b>,
-    PhantomData<E>,
-);
-
-impl<E: MemoryEffect<N, S, M>, const N: usize, const S: usize, const M: usize> NullaryFnOnce
-    for ChainedOn<'_, '_, E, N, S, M>
-{
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        self.3.chain_remembering::<N, S, M, E>(self.0, self.1, self.2);
-    }
-}
-
-struct Sensed<'a, 'b, E, const N: usize, const L: usize>(
-    &'a [f64],
-    &'a [Option<usize>],
-    &'a mut Response<'b>,
-    PhantomData<E>,
-);
-
-impl<E: SensorEffect<N>, const N: usize, const L: usize> NullaryFnOnce for Sensed<'_, '_, E, N, L> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        self.2.sense::<N, L, E>(self.0, self.1);
+/// Brings the load at one instant into a sum. The state: [`BEFORE`], and what each element remembers.
+#[inline(always)]
+pub(super) fn recall<T: Scalar, const N: usize, const S: usize, const M: usize, E: MemoryEffect<N, S, M>>(
+    p: &[T],
+    state: &mut [T],
+    motion: &Motion<T>,
+    sum: &mut Load<T>,
+) {
+    let ([running, before, elements @ ..], Some(own)) = (state, p.get(S..)) else { return };
+    let by = *running * (motion.theta - *before);
+    (*running, *before) = (T::of(1.0), motion.theta);
+    let shared: [T; S] = take(p);
+    for ((z, own), element) in elements.iter_mut().zip(own).zip(E::ELEMENTS) {
+        *z = E::remember(&shared, T::of(element), *z, by);
+        sum.join(&E::load(*own, *z, motion), const { Channel::among(E::TOUCHES) });
     }
 }

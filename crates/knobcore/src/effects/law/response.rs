@@ -68,12 +68,12 @@ impl Response<'_> {
         let own: [Dual<f64, N>; N] = seeded(p, 0);
         let torque: Vec<Dual<f64, N>> = self.torque.iter().map(|tau| Dual::constant(*tau)).collect();
         let fixed: [Dual<f64, AT_ONCE>; N] =
-            std::array::from_fn(|i| Dual::constant(p.get(i).copied().unwrap_or(0.0)));
+            core::array::from_fn(|i| Dual::constant(p.get(i).copied().unwrap_or(0.0)));
         for few in self.slopes.chunks_mut(AT_ONCE) {
             let beside: Vec<Dual<f64, AT_ONCE>> = (0..torque.len())
                 .map(|at| Dual {
                     v: torque[at].v,
-                    d: std::array::from_fn(|i| few.get(i).map_or(0.0, |column| column[at])),
+                    d: core::array::from_fn(|i| few.get(i).map_or(0.0, |column| column[at])),
                 })
                 .collect();
             for (at, late) in E::late(&fixed, self.dt, &beside).iter().enumerate() {

@@ -12,7 +12,7 @@ use crate::motion::Motion;
 use crate::param::Unit;
 use crate::predict;
 use crate::random;
-use std::collections::HashMap;
+use alloc::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 const RATE_HZ: f64 = 1000.0;
@@ -180,7 +180,7 @@ fn what_no_formula_says_is_written_as_a_spline_and_what_one_does_is_not() {
     let formula = Formula::parse(&law.text).unwrap();
     assert_eq!(formula.params(), ["a", "from", "step"]);
     assert_eq!(law.variables, ["omega", "theta"]);
-    assert_eq!(formula.units(&HashMap::new(), Unit::of(1, 0, 0)).unwrap()[0], Unit::of(1, -1, 1));
+    assert_eq!(formula.units(&BTreeMap::new(), Unit::of(1, 0, 0)).unwrap()[0], Unit::of(1, -1, 1));
     let p: Vec<f64> = law.params.iter().map(|(_, value)| *value).collect();
     // What drag can say as well, a constant beside the relief, drag has.
     let own = |x: f64| formula.at(&p, &Motion::exact(0.0, x, 2.0, 0.0)) / 2.0;
@@ -238,7 +238,7 @@ fn every_law_of_the_grammar_is_one_that_formulas_know_and_has_units_and_the_same
             let coefficients = &[0.3, -0.4][..columns.len()];
             let written = law.written(coefficients);
             let formula = Formula::parse(&written.text).unwrap();
-            let units = formula.units(&std::collections::HashMap::new(), crate::param::Unit::of(1, 0, 0));
+            let units = formula.units(&alloc::collections::BTreeMap::new(), crate::param::Unit::of(1, 0, 0));
             assert!(units.is_ok(), "{}: {units:?}", written.text);
             let named = |name: &String| written.params.iter().find(|(own, _)| own == name).unwrap().1;
             let p: Vec<f64> = formula.params().iter().map(named).collect();

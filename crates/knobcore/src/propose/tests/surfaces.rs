@@ -37,7 +37,7 @@ fn what_no_formula_and_no_curve_says_is_a_surface_over_the_variables_that_it_is_
     let Written { law, heldout } = found.written.unwrap();
     assert!(law.text.len() < 1000 && law.text.contains("*spline((omega - from2)/step2, "), "{}", law.text);
     let formula = Formula::parse(&law.text).unwrap();
-    assert!(formula.units(&HashMap::new(), Unit::of(1, 0, 0)).is_ok());
+    assert!(formula.units(&BTreeMap::new(), Unit::of(1, 0, 0)).is_ok());
     let (rows, _) = Rows::of(&data, &model);
     let truth: Vec<f64> = (0..signals.len()).map(|at| relief(signals.theta[at], signals.omega[at])).collect();
     let off: Vec<f64> = torque(&law, &signals).iter().zip(&truth).map(|(a, b)| a - b).collect();

@@ -19,7 +19,7 @@ fn value(text: &str, p: &[f64]) -> f64 {
 
 fn mistake(text: &str) -> Mistake {
     match Formula::parse(text) {
-        Ok(law) => law.units(&HashMap::new(), TORQUE).unwrap_err(),
+        Ok(law) => law.units(&BTreeMap::new(), TORQUE).unwrap_err(),
         Err(mistake) => mistake,
     }
 }
@@ -107,7 +107,7 @@ fn what_looks_at_a_load_is_friction_under_it() {
     for text in ["a |load| sign(omega)", "sign(omega) (a abs(load) theta - |load| b)", "a theta"] {
         assert_eq!(law(text).misloaded(), None, "{text}");
     }
-    let refused = |acts: &str, text: &str| written::made("pressed", acts, text, &HashMap::new());
+    let refused = |acts: &str, text: &str| written::made("pressed", acts, text, &BTreeMap::new());
     for (acts, text) in [("friction", "1 + a |load| sign(omega)"), ("sensor", "a |load| sign(omega)")] {
         let error = refused(acts, text).unwrap_err().to_string();
         assert!(error.contains("abs(load)*sign(omega)") && error.contains("'load"), "{error}");
@@ -116,7 +116,7 @@ fn what_looks_at_a_load_is_friction_under_it() {
 
 #[test]
 fn units_of_parameters_follow_from_the_law() {
-    let units = |text: &str| law(text).units(&HashMap::new(), TORQUE).unwrap();
+    let units = |text: &str| law(text).units(&BTreeMap::new(), TORQUE).unwrap();
     assert_eq!(units("2 a (omega/w) / (1 + (omega/w)^2)"), [TORQUE, Unit::of(0, 1, -1)]);
     assert_eq!(units("a sin(n theta + p)"), [TORQUE, Unit::NUMBER, Unit::NUMBER]);
     assert_eq!(units("d omega |omega|"), [Unit::of(1, -2, 2)]);
@@ -125,14 +125,14 @@ fn units_of_parameters_follow_from_the_law() {
     assert_eq!(units("a (|omega|/w)^p"), [TORQUE, Unit::of(0, 1, -1), Unit::NUMBER]);
     // A nought is of any unit.
     assert_eq!(units("g max(theta - c, 0)"), [Unit::of(1, -1, 0), Unit::of(0, 1, 0)]);
-    let given = HashMap::from([("b", Unit::of(0, -1, 1))]);
+    let given = BTreeMap::from([("b", Unit::of(0, -1, 1))]);
     assert_eq!(law("a b omega").units(&given, TORQUE).unwrap()[0], TORQUE);
-    let wrong = HashMap::from([("w", Unit::of(0, 1, 0))]);
+    let wrong = BTreeMap::from([("w", Unit::of(0, 1, 0))]);
     assert!(law("a/(1 + omega/w)").units(&wrong, TORQUE).unwrap_err().why.contains("other units"));
     // What rubs under a load does so in proportion to it.
     assert_eq!(units("mu exp(-|omega|/w) abs(load) sign(omega)"), [Unit::NUMBER, Unit::of(0, 1, -1)]);
     // What multiplies the dry friction is a pure number.
-    assert_eq!(law("1 + a cos(theta)").units(&HashMap::new(), Unit::NUMBER).unwrap(), [Unit::NUMBER]);
+    assert_eq!(law("1 + a cos(theta)").units(&BTreeMap::new(), Unit::NUMBER).unwrap(), [Unit::NUMBER]);
 }
 
 #[test]
@@ -154,10 +154,10 @@ fn derivatives_are_exact_and_packs_answer_as_single_samples() {
         "a sin(n theta) exp(-t/tau) + b tanh(omega/w)/(1 + |alpha|^1.5 c) + b spline(theta/w, 1, -2, 1, 3)",
     );
     let p = [0.3, 5.0, 0.7, 0.2, 1.1, 0.4];
-    let columns: [Vec<f64>; 5] = std::array::from_fn(|i| {
+    let columns: [Vec<f64>; 5] = core::array::from_fn(|i| {
         (0..21_u32).map(|k| (f64::from(k) * 0.37 + i as f64).sin() + 1.5 * f64::from(i == 0)).collect()
     });
-    let columns: [&[f64]; 5] = std::array::from_fn(|i| columns[i].as_slice());
+    let columns: [&[f64]; 5] = core::array::from_fn(|i| columns[i].as_slice());
     let over = law.over(&p, &columns);
     for (at, over) in over.iter().enumerate() {
         let [t, theta, omega, alpha, forward] = columns.map(|column| column[at]);
@@ -195,7 +195,7 @@ fn a_power_with_a_free_exponent_has_a_value_and_derivatives_at_rest_and_near_it(
             let unit = base.powf(n) * (2.0 * forward - 1.0);
             let steep = if base > 0.0 { 0.2 * unit * base.ln() } else { 0.0 };
             let right = [0.2 * unit, unit, -0.1 * n * unit, steep];
-            for (found, right) in std::iter::once(found.v).chain(found.d).zip(right) {
+            for (found, right) in core::iter::once(found.v).chain(found.d).zip(right) {
                 assert!(
                     (found - right).abs() <= 1e-13 * right.abs() + 1e-300,
                     "{omega} {n}: {found} {right}"
@@ -223,7 +223,7 @@ fn what_no_capture_tells_from_the_amplitude_is_held_and_exponents_keep_a_value_a
     assert_eq!(exponents("a sign(omega) (abs(omega)/w)^n"), [2]);
     assert_eq!(exponents("1 + r (s/b)^n"), [2]);
     assert!(exponents("a (1 + abs(omega)/w)^n").is_empty() && exponents("a theta^2").is_empty());
-    let user = written::made("film", "load", "a sign(omega) (abs(omega)/w)^n", &HashMap::new()).unwrap();
+    let user = written::made("film", "load", "a sign(omega) (abs(omega)/w)^n", &BTreeMap::new()).unwrap();
     let [a, w, n] = user.info.params else { panic!("three parameters") };
     assert_eq!((a.kind, w.usual, n.usual), (Kind::Linear, Usual::Fixed, Usual::Free));
     assert_eq!((w.unit, n.unit, [n.lower, n.upper]), (Unit::of(0, 1, -1), Unit::NUMBER, [0.0, 10.0]));

@@ -14,7 +14,7 @@ use crate::effects::{Effect, LoadEffect, Nonlinear, SensorEffect, Survey, Words,
 use crate::motion::Motion;
 use crate::random::Noise;
 use crate::scalar::{Dual, Scalar};
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 type D = Dual<f64, 6>;
 
@@ -25,7 +25,7 @@ fn held<const N: usize>(
     file: &str,
     answer: fn(&[D; N], &Motion<D>) -> D,
 ) {
-    let asked: HashMap<String, Asked> =
+    let asked: BTreeMap<String, Asked> =
         asked.iter().map(|(name, one)| ((*name).into(), one.clone())).collect();
     let user = made(&format!("own_{id}"), acts, law, &asked).unwrap();
     let written = source(user, id, &p).unwrap();
@@ -91,14 +91,14 @@ fn an_effect_that_was_written_from_a_formula_is_that_formula() {
 
 #[test]
 fn friction_per_load_that_is_always_the_same_looks_at_no_motion() {
-    let user = made("plain_mesh", "load", "sign(omega) a |load|", &HashMap::new()).unwrap();
+    let user = made("plain_mesh", "load", "sign(omega) a |load|", &BTreeMap::new()).unwrap();
     let text = source(user, "gears", &[0.1]).unwrap().text;
     assert!(text.contains("&[a]: &[T; 1], _: &Motion<T>)") && text.contains("mu: a,"), "{text}");
 }
 
 #[test]
 fn what_has_no_formula_to_write_is_refused() {
-    let user = made("remembering", "load", "a exp(-s/b)", &HashMap::new()).unwrap();
+    let user = made("remembering", "load", "a exp(-s/b)", &BTreeMap::new()).unwrap();
     let error = source(user, "remembers", &[1.0, 1.0]).unwrap_err().to_string();
     assert!(error.contains("remembering") && error.contains("by hand"), "{error}");
 }

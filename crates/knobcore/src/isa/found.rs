@@ -1,7 +1,4 @@
-//! The instruction set of this machine, found at run time.
-//!
-//! Work is a value whose `call` is inlined: the body of a closure is not sure to be compiled into the function that has
-//! the instruction set.
+//! The best that the processor says it has, or what the environment asks for.
 
 use crate::error::{Error, Result};
 use pulp::WithSimd;
