@@ -12,6 +12,7 @@ python3 dev.py page [--check]     the workbench's page; --check: are the committ
 python3 dev.py browser            Chromium and what drives it, for the tests in a browser
 python3 dev.py setup              only the set-up: .venv, pinned dependencies, the extension
 python3 dev.py wheel [--all]      a source archive and a wheel from it in dist/; --all: for every processor
+python3 dev.py firmware TARGET    the render step for a microcontroller (rustc --print target-list), in dist/
 python3 dev.py lock [--upgrade]   bring the requirements-*.lock files to pyproject.toml; --upgrade: all to the
                                   newest; --check: are they what pyproject.toml asks for?
 """
@@ -132,13 +133,42 @@ def library(folder: Path, profile: str, target: str = "", tree: Path = ROOT) -> 
     """The render step for programs in C and for simulators, which `knobcam convert` hands out."""
     only = ("--target", target) if target else ()
     run("cargo", "build", "--profile", profile, "--locked", "--package", "knobstep", *only, place=tree)
-    # The static one asks nothing of an operating system, so that firmware can have it too.
+    collect([built_in(tree, target) / profile / name for name in SHARED], folder)
+    bare(folder, target, tree)
+
+
+def bare(folder: Path, target: str = "", tree: Path = ROOT) -> None:
+    """The static library, which asks nothing of an operating system, so that firmware can have it too."""
+    only = ("--target", target) if target else ()
     run("cargo", "rustc", *BARE, "--locked", *only, "--crate-type", "staticlib", place=tree)
-    built = tree / os.environ.get("CARGO_TARGET_DIR", "target") / target
+    collect([built_in(tree, target) / "bare" / name for name in STATIC], folder)
+
+
+def built_in(tree: Path, target: str) -> Path:
+    """Where cargo puts what it builds."""
+    return tree / os.environ.get("CARGO_TARGET_DIR", "target") / target
+
+
+def collect(made: list[Path], folder: Path) -> None:
+    """Copy what there is."""
     folder.mkdir(exist_ok=True)
-    for made in [built / profile / name for name in SHARED] + [built / "bare" / name for name in STATIC]:
-        if made.is_file():
-            shutil.copy(made, folder / made.name)
+    for path in made:
+        if path.is_file():
+            shutil.copy(path, folder / path.name)
+
+
+def firmware(options: list[str]) -> None:
+    """The static library for another processor, which has no operating system."""
+    needs_cargo()
+    if len(options) != 1 or options[0].startswith("-"):
+        sys.exit(
+            "dev.py: firmware needs one target, such as thumbv7em-none-eabihf; rustc --print target-list"
+        )
+    run("rustup", "target", "add", options[0])
+    bare(ROOT / "dist", options[0])
+    print(
+        f"dist/{STATIC[0]}: link a program with it that includes a header of `knobcam convert MODEL --to c`."
+    )
 
 
 def demo(options: list[str]) -> None:
@@ -353,7 +383,7 @@ def main() -> None:
     """Dispatch on the first word."""
     commands = {"demo": demo, "test": test, "lint": lint, "check": check, "bench": bench}
     commands |= {"setup": lambda _: setup(), "wheel": wheel, "lock": lock, "page": page, "browser": browser}
-    commands |= {"docs": docs, "orders": orders}
+    commands |= {"docs": docs, "orders": orders, "firmware": firmware}
     if sys.version_info < (3, 11):  # noqa: UP036 - an older one can start this script
         sys.exit("dev.py: needs Python 3.11 or newer; this is " + sys.version.split()[0])
     if len(sys.argv) < 2 or sys.argv[1] not in commands:

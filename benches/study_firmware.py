@@ -2,12 +2,12 @@
 
 The render step is built for a Cortex-M7 (an Arm processor without an operating system), linked with a program
 in C, and run on one that QEMU emulates: every torque along a motion is compared with `Renderer`'s, by bits.
-Needs `rustup target add thumbv7em-none-eabihf`, and of Debian gcc-arm-none-eabi, libnewlib-arm-none-eabi and
-qemu-system-arm.
+Needs of Debian gcc-arm-none-eabi, libnewlib-arm-none-eabi and qemu-system-arm.
 """
 
 import re
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -18,9 +18,7 @@ from knobcam.render.convert import convert
 
 ROOT = Path(__file__).parents[1]
 TARGET = "thumbv7em-none-eabihf"
-BUILD = ("cargo", "rustc", "--package", "knobstep", "--no-default-features", "--features", "bare")
-BUILD += ("--profile", "bare", "--locked", "--target", TARGET, "--crate-type", "staticlib")
-LIBRARY = ROOT / "target" / TARGET / "bare" / "libknobstep.a"
+LIBRARY = ROOT / "dist" / "libknobstep.a"
 CPU = ("-mcpu=cortex-m7", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv5-d16")
 BOARD = ("qemu-system-arm", "-M", "mps2-an500", "-nographic", "-semihosting", "-kernel")
 HIDDEN = ("backlash", "compliance", "presliding", "position_friction", "end_stop", "stribeck")
@@ -127,7 +125,7 @@ def run(name: str, model: kc.Model, folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    subprocess.run(BUILD, cwd=ROOT, check=True)
+    subprocess.run([sys.executable, "dev.py", "firmware", TARGET], cwd=ROOT, check=True)
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
         (folder / "start.c").write_text(START)
