@@ -48,7 +48,11 @@ def contenders(story: LearningResult, asked: Sequence[str]) -> tuple[Rival, ...]
 
 
 def untold(story: LearningResult) -> list[tuple[str, str]]:
-    """Return what came in at a step and what could have come in instead, the likeliest first."""
+    """Return what came in at a step and what could have come in instead, the likeliest first.
+
+    What the model has now is not instead of anything, nor is a joint beside one that stays.
+    """
+    there, joined = set(story.model.effects), set(joints(story.model.coordinate))
     rows = []
     for step in story.ladder:
         if step.added is None:
@@ -56,7 +60,8 @@ def untold(story: LearningResult) -> list[tuple[str, str]]:
         weights = step.weights
         likely = [one for one, weight in weights.items() if weight >= _LIKELY]
         for other in dict.fromkeys((*step.equivalent, *likely)):
-            if other not in (*story.found, step.added):
+            second = other in joined and bool(joined & there - {step.added})
+            if other not in (*there, step.added) and not second:
                 rows.append((-weights.get(other, 0.0), step.added, other))
     return [(added, other) for _, added, other in sorted(rows)]
 
