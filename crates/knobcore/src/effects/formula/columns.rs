@@ -3,7 +3,7 @@
 use super::distance::distance;
 use super::parse::PARAMETERS;
 use super::{Formula, Room};
-use crate::effects::law::block::{BLOCK, filled};
+use crate::effects::law::along::block::{BLOCK, filled};
 use crate::isa;
 use crate::motion::Motion;
 use crate::scalar::{Dual, Scalar, WIDE, Wide};

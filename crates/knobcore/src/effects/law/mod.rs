@@ -9,35 +9,15 @@ mod place;
 mod stated;
 
 #[cfg(feature = "std")]
-mod along;
-#[cfg(feature = "std")]
-pub(crate) mod block;
-#[cfg(feature = "std")]
-mod columns;
-#[cfg(feature = "std")]
-mod gradient;
-#[cfg(feature = "std")]
-mod memory;
-#[cfg(feature = "std")]
-mod response;
-#[cfg(feature = "std")]
-mod spent;
-#[cfg(feature = "std")]
-mod stated_along;
+pub(crate) mod along;
 
 pub(crate) use place::{Couples, Delays, Loads, Remembers, Senses};
 pub use stated::Stated;
 
 #[cfg(feature = "std")]
-pub use along::Along;
+pub(crate) use along::block::{BLOCK, CHANNELS, Channels, Motions, PLAIN, SCALE, Scratch, load_of};
 #[cfg(feature = "std")]
-pub use block::Totals;
-#[cfg(feature = "std")]
-pub(crate) use block::{BLOCK, CHANNELS, Channels, Motions, PLAIN, SCALE, Scratch, load_of};
-#[cfg(feature = "std")]
-pub(crate) use gradient::Gradient;
-#[cfg(feature = "std")]
-pub use response::Response;
+pub use along::{Along, Response, Totals};
 
 use super::{Info, Joint};
 use crate::motion::{Load, Motion};

@@ -1,12 +1,12 @@
 //! A formula along whole columns, and with derivatives.
 
-use super::along::Along;
+use super::Along;
 use super::block::{BLOCK, Totals, filled};
 use super::gradient::Gradient;
 use super::response::Response;
-use super::stated::Stated;
-use super::{D, LEAST};
 use crate::effects::formula::starts;
+use crate::effects::law::stated::Stated;
+use crate::effects::law::{D, LEAST};
 use crate::effects::{Carrier, Survey};
 use crate::motion::{Channel, Load, Motion};
 use core::ops::Range;

@@ -1,9 +1,19 @@
 //! What only those ask of an effect who measure: whole columns, derivatives, and what a search begins with.
 
+pub(crate) mod block;
+mod columns;
+mod gradient;
+mod memory;
+mod own;
+mod response;
+mod spent;
+mod stated;
+
+pub use block::Totals;
+use gradient::Gradient;
+pub use response::Response;
+
 use super::D;
-use super::block::Totals;
-use super::gradient::Gradient;
-use super::response::Response;
 use crate::effects::{Carrier, Context, Joint, Survey};
 use crate::motion::{Load, Motion};
 use crate::scalar::Wide;

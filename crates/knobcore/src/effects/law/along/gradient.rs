@@ -1,8 +1,8 @@
 //! The second half of a response: each effect's own derivatives, by the chain rule through the channels of its load.
 
 use super::block::{BLOCK, CHANNELS, Channels, PLAIN, SCALE, Totals, channels};
-use super::seeded;
 use crate::effects::LoadEffect;
+use crate::effects::law::seeded;
 use crate::motion::{Channel, Load, Touched};
 use crate::scalar::{Dual, Known, Packed, Scalar, lane_by_lane};
 

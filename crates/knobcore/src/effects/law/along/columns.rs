@@ -1,11 +1,12 @@
-//! The places of the chain along whole columns, and with derivatives: see [`place`](super::place).
+//! The places of the chain along whole columns, and with derivatives: see [`place`](super::super::place).
 
-use super::along::Along;
+use super::Along;
 use super::block::Totals;
 use super::gradient::Gradient;
-use super::place::{Couples, Delays, Loads, Remembers, Senses, recall};
+use super::memory;
 use super::response::Response;
-use super::{Carried, D, memory, take};
+use crate::effects::law::place::{Couples, Delays, Loads, Remembers, Senses, recall};
+use crate::effects::law::{Carried, D, take};
 use crate::effects::{
     Carrier, Context, CouplingEffect, Joint, LateEffect, LoadEffect, MemoryEffect, SensorEffect, Survey,
 };

@@ -4,9 +4,9 @@
 
 use super::block::{BLOCK, Totals};
 use super::gradient::Gradient;
-use super::place::BEFORE;
-use super::{seeded, take};
 use crate::effects::MemoryEffect;
+use crate::effects::law::place::BEFORE;
+use crate::effects::law::{seeded, take};
 use crate::motion::{Channel, Load, Motion};
 use crate::scalar::{Dual, Known, LANES, Pack, Packed, Scalar, WIDE, Wide};
 

@@ -1,7 +1,7 @@
 //! Whole columns of samples with exact derivatives, and how they pass through a sensor.
 
 use super::block::{BLOCK, filled};
-use super::seeded;
+use crate::effects::law::seeded;
 use crate::effects::{LateEffect, SensorEffect};
 use crate::motion::Motion;
 use crate::scalar::{Dual, Known, LANES, Pack, Scalar};
