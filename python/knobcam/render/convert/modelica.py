@@ -84,7 +84,7 @@ def write(model: Model, terms: Mapping[str, Term], options: Options) -> Form:
         torque=torque,
         rate=options.rate_hz,
         model=_lines(literal(checked_text(model, options.rate_hz))),
-        include=_lines(literal(_INCLUDE)),
+        include=json.dumps(_INCLUDE),  # not every compiler works out a sum of texts here
     )
     return Form((), text, remarks=(f"Its library knobstep is in {library.shared().parent}.",))
 
