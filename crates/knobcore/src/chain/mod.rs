@@ -12,6 +12,7 @@
 
 mod behind;
 mod block;
+mod contact;
 mod driven;
 mod hidden;
 mod push;
