@@ -10,6 +10,7 @@
 //! law of dry friction ([`Load::friction`](crate::motion::Load::friction) and
 //! [`Load::sticking`](crate::motion::Load::sticking)) and one [stepper](Body).
 
+mod contact;
 mod hidden;
 mod stepper;
 

@@ -1,10 +1,6 @@
-//! The one stepper: a body under loads and dry friction, at a joint or alone, from one instant to the next.
-//!
-//! Contact is stiff and friction dry, so both are implicit: the midpoint rule for the joint, whose free play is that
-//! at the midpoint too (so that two motions never part in a step, however stiff the contact: Burrage & Butcher 1979),
-//! and friction that stops the body at the end of a step if it can (Moreau 1988).
+//! The one stepper: a body under loads and dry friction from one instant to the next. Friction is dry, and so implicit: it
+//! stops the body at the end of a step if it can (Moreau 1988).
 
-use crate::effects::Joint;
 use crate::motion::Load;
 use crate::scalar::{Branches, Lanes, Scalar};
 
@@ -87,7 +83,7 @@ impl<T: Branches> Acts<T> {
 
     /// What opposes a motion at this speed that takes so much torque of the inertia, N m.
     #[inline(always)]
-    fn opposes(&self, omega: T, inertial: T) -> T {
+    pub(super) fn opposes(&self, omega: T, inertial: T) -> T {
         let rubs = omega.where_positive(self.friction, -self.friction);
         self.push
             + self.pressed.map_or(rubs, |Pressed { load, share, per_load: [back, forth] }| {
@@ -147,154 +143,6 @@ impl<T: Branches> Body<T> {
         let leaving = omega.abs().positive().and(slower.not());
         Self { theta: self.theta + (self.omega + omega).scaled(T::Value::of(0.5 * h)), omega, leaving }
     }
-
-    /// A step of `h` seconds behind a joint, and the torque of the joint in it, while the shaft goes from one angle
-    /// to the next.
-    #[inline(always)]
-    pub fn stepped(&self, joint: &Joint<T>, acts: &Acts<T>, shaft: [f64; 2], h: f64) -> (Self, T) {
-        let step = Step { body: self, joint, acts, shaft: shaft[0], speed: (shaft[1] - shaft[0]) / h, h };
-        // Which way it goes, by the values alone: only that way has to be gone with derivatives.
-        let Contact { side, touches, lasts } = step.contact();
-        let reached = |omega: T| {
-            let inertial = acts.inertia.over(h) * (omega - self.omega);
-            inertial + acts.opposes(omega, inertial)
-        };
-        if !touches.any() {
-            return (self.moved(step.alone(), h), T::of(0.0));
-        }
-        if lasts.all() {
-            let omega = step.held(side);
-            return (self.moved(omega, h), step.force(side, omega));
-        }
-        let reaching = step.reaching(side);
-        if touches.and(lasts.not()).all() {
-            return (self.moved(reaching, h), reached(reaching));
-        }
-        // Of several knobs each goes its own way.
-        let choose = |lasting: T, reaching: T, alone: T| {
-            T::choose(lasts, lasting, T::choose(touches, reaching, alone))
-        };
-        let omega = choose(step.held(side), reaching, step.alone());
-        (self.moved(omega, h), choose(step.force(side, omega), reached(omega), T::of(0.0)))
-    }
-}
-
-/// What a joint does in a step.
-#[derive(Debug, Clone, Copy)]
-struct Contact<V: Branches> {
-    /// The side that may touch, 1 or -1.
-    side: V,
-    /// Where it does.
-    touches: V::Lanes,
-    /// Where it does to the end of the step. Else just at its end: the damper would stop the knob short of the contact,
-    /// which has to be reached for it to act.
-    lasts: V::Lanes,
-}
-
-/// A step behind a joint. Its parts are functions, and not closures, for these would be left out of what is compiled for
-/// the machine's instruction set.
-#[derive(Debug, Clone, Copy)]
-struct Step<'a, T: Branches> {
-    body: &'a Body<T>,
-    joint: &'a Joint<T>,
-    acts: &'a Acts<T>,
-    /// Angle of the shaft at the start, and its speed.
-    shaft: f64,
-    speed: f64,
-    h: f64,
-}
-
-impl<T: Branches> Step<'_, T> {
-    /// What the joint does, by the values without derivatives.
-    #[inline(always)]
-    fn contact(&self) -> Contact<T::Value> {
-        let Self { body, joint, acts, shaft, speed, h } = *self;
-        let body = Body { theta: body.theta.plain(), omega: body.omega.plain(), leaving: body.leaving };
-        let joint = joint.plain();
-        let pressed = acts.pressed.map(|Pressed { load, share, per_load: [back, forth] }| Pressed {
-            load: load.plain(),
-            share: share.plain(),
-            per_load: [back.plain(), forth.plain()],
-        });
-        let acts = Acts {
-            inertia: acts.inertia.plain(),
-            push: acts.push.plain(),
-            friction: acts.friction.plain(),
-            pressed,
-        };
-        Step { body: &body, joint: &joint, acts: &acts, shaft, speed, h }.meets()
-    }
-
-    /// Rate of the joint halfway, by the speed of the knob at the end of the step.
-    #[inline(always)]
-    fn rate(&self, omega: T) -> T {
-        T::of(self.speed) - (self.body.omega + omega).scaled(T::Value::of(0.5))
-    }
-
-    /// Twist of the joint there.
-    #[inline(always)]
-    fn twist(&self, omega: T) -> T {
-        T::of(self.shaft) - self.body.theta + self.rate(omega).scaled(T::Value::of(0.5 * self.h))
-    }
-
-    /// The twist at which a side touches.
-    #[inline(always)]
-    fn border(&self, side: T::Value) -> T {
-        self.joint.gap.scaled(T::Value::of(0.5) * side)
-    }
-
-    /// Torque of the joint halfway.
-    #[inline(always)]
-    fn force(&self, side: T::Value, omega: T) -> T {
-        self.joint.stiffness * (self.twist(omega) - self.border(side)) + self.joint.damping * self.rate(omega)
-    }
-
-    /// Speed at the end without joint;
-    #[inline(always)]
-    fn alone(&self) -> T {
-        self.body.slid(self.acts, T::of(0.0), T::of(0.0), self.h)
-    }
-
-    /// with a side that touches to the end;
-    #[inline(always)]
-    fn held(&self, side: T::Value) -> T {
-        let [quarter, half] = [0.25 * self.h, 0.5].map(T::Value::of);
-        let drag = self.joint.stiffness.scaled(quarter) + self.joint.damping.scaled(half);
-        self.body.slid(self.acts, self.force(side, T::of(0.0)), drag, self.h)
-    }
-
-    /// with one that just touches there.
-    #[inline(always)]
-    fn reaching(&self, side: T::Value) -> T {
-        let rate = self.rate(T::of(0.0));
-        let left = T::of(self.shaft) - self.body.theta - self.border(side);
-        rate + rate + left.scaled(T::Value::of(4.0 / self.h))
-    }
-}
-
-impl<V: Branches<Value = V>> Step<'_, V> {
-    #[inline(always)]
-    fn meets(&self) -> Contact<V> {
-        // The side that the knob without joint would be on is the one that touches, if any does.
-        let alone = self.alone();
-        let side = self.twist(alone).where_positive(V::of(1.0), V::of(-1.0));
-        if self.joint.welded {
-            let all = V::Lanes::NONE.not();
-            return Contact { side, touches: all, lasts: all };
-        }
-        let touches = self.inside(side, alone).and((side * self.force(side, alone)).positive());
-        if !touches.any() {
-            return Contact { side, touches, lasts: touches };
-        }
-        let lasts = touches.and(self.inside(side, self.held(side)));
-        Contact { side, touches, lasts }
-    }
-
-    /// Where a side touches halfway.
-    #[inline(always)]
-    fn inside(&self, side: V, omega: V) -> V::Lanes {
-        (side * (self.twist(omega) - self.border(side))).positive()
-    }
 }
 
 #[cfg(test)]
@@ -302,58 +150,8 @@ mod tests {
     use super::*;
     use crate::random::Noise;
 
-    const GAP: f64 = 0.02;
     const INERTIA: f64 = 1e-4;
     const STEP_S: f64 = 5e-5;
-
-    fn joint(stiffness: f64, damping: f64) -> Joint<f64> {
-        Joint { gap: GAP, stiffness, damping, share: 1.0, welded: false }
-    }
-
-    #[test]
-    fn surfaces_that_touch_push_and_never_pull() {
-        let mut noise = Noise::new(1);
-        for _ in 0..20_000 {
-            let knob = Body::at(GAP * noise.normal(), noise.normal());
-            let joint = joint((10.0 * noise.uniform()).exp(), (-8.0 * noise.uniform()).exp());
-            let shaft = [0.0, STEP_S * noise.normal()];
-            let acts = Acts {
-                inertia: INERTIA,
-                push: 0.05 * noise.normal(),
-                friction: 0.05 * noise.uniform(),
-                pressed: None,
-            };
-            let (next, force) = knob.stepped(&joint, &acts, shaft, STEP_S);
-            let twist = 0.5 * (shaft[0] + shaft[1] - knob.theta - next.theta);
-            assert!(force * twist >= 0.0, "{force} at {twist}");
-            assert!(force == 0.0 || twist.abs() > 0.5 * GAP - 1e-9, "{force} within the gap, at {twist}");
-        }
-    }
-
-    #[test]
-    fn a_knob_that_bounces_in_its_gap_loses_its_energy_and_never_gains_a_hundredth() {
-        for stiffness in [1.0, 100.0, 1e4] {
-            let joint = joint(stiffness, 0.1 * (stiffness * INERTIA).sqrt());
-            let mut knob = Body::at(0.0, 1.0);
-            let energy = |knob: &Body<f64>| {
-                let strain = (knob.theta.abs() - 0.5 * GAP).max(0.0);
-                0.5 * INERTIA * knob.omega * knob.omega + 0.5 * stiffness * strain * strain
-            };
-            let start = energy(&knob);
-            for _ in 0..40_000 {
-                knob = knob
-                    .stepped(
-                        &joint,
-                        &Acts { inertia: INERTIA, push: 0.0, friction: 0.0, pressed: None },
-                        [0.0, 0.0],
-                        STEP_S,
-                    )
-                    .0;
-                assert!(energy(&knob) < 1.01 * start, "{stiffness}: {}", energy(&knob) / start);
-            }
-            assert!(energy(&knob) < 0.1 * start, "{stiffness}: {}", energy(&knob) / start);
-        }
-    }
 
     #[test]
     fn friction_under_the_load_of_inertia_is_what_the_acceleration_makes_that_it_leaves() {
@@ -387,13 +185,5 @@ mod tests {
             let end = Body::at(0.0, omega).slid(&acts, 0.0, 0.0, STEP_S) / omega;
             assert!((0.0..1.0).contains(&end), "{end}");
         }
-    }
-
-    #[test]
-    fn friction_stops_the_knob_and_does_not_turn_it_round() {
-        let acts = Acts { inertia: INERTIA, push: 0.0, friction: 0.05, pressed: None };
-        let start = Body::at(0.0, 0.01);
-        let (knob, _) = start.stepped(&joint(1.0, 0.0), &acts, [0.0, 0.0], STEP_S);
-        assert_eq!(knob.omega, 0.0);
     }
 }

@@ -193,7 +193,7 @@ fn beside_a_joint_what_is_missing_is_found_and_what_explains_too_little_is_not_f
     let joint = [("compliance.k", 3.0), ("compliance.d", 5e-3), ("compliance.share", 0.7)];
     let base = knob(&[Id::Compliance], &joint);
     let mut truth = base.with(Id::ReturnSpring).unwrap();
-    truth.set("return_spring.k", 0.01).unwrap();
+    truth.set("return_spring.k", 0.02).unwrap();
     let data = recorded(&truth, "a");
     let data = [&data];
     let before = refine(&data, &base).unwrap();
@@ -203,7 +203,7 @@ fn beside_a_joint_what_is_missing_is_found_and_what_explains_too_little_is_not_f
     let fit = best.fit.as_ref().unwrap();
     assert!(best.id == Id::ReturnSpring && best.p_value == 1e-3 && others.len() == 2);
     assert!(fit.rmse < 1.1 * fit.noise_floor && before.rmse > 2.0 * fit.rmse, "{}", fit.rmse);
-    assert!(near(fit.model.values()[fit.model.index("return_spring.k").unwrap()], 0.01, 0.05));
+    assert!(near(fit.model.values()[fit.model.index("return_spring.k").unwrap()], 0.02, 0.05));
     for other in others {
         assert!(other.fit.is_none() && other.note.contains("explains too little"), "{:?}", other.id);
         assert!(other.gain == 0.0 && other.p_value == 1.0 && other.parameters > 0, "{:?}", other.id);
@@ -298,6 +298,6 @@ fn a_rival_that_comes_nowhere_near_is_given_up_and_one_that_does_is_not() {
     for wrong in [Id::PositionFriction, Id::Presliding] {
         let (given_up, whole) = (followed(wrong, 2.0 * SD), followed(wrong, f64::INFINITY));
         assert!(whole.0 > 2.0 * SD && given_up.0 > 2.0 * SD, "{wrong:?} {given_up:?} {whole:?}");
-        assert!(2 * given_up.1 < whole.1, "{wrong:?} {given_up:?} {whole:?}");
+        assert!(3 * given_up.1 < 2 * whole.1, "{wrong:?} {given_up:?} {whole:?}");
     }
 }
