@@ -5,9 +5,10 @@
 
 use super::screen::{Screen, Start, alone};
 use super::shown::{detents, shown};
-use super::slower::{self, COARSE_HZ, MIDDLE_HZ, beginnings, slowed};
+use super::slower::{self, BEFORE, COARSE_HZ, MIDDLE_HZ, beginnings, slowed};
 use super::strides::{FEW, strides};
 use super::thinned::Thinned;
+use super::unseen::seen_next;
 use super::watch::Watch;
 use crate::effects::{Id, Place};
 use crate::fit::{Found, glance, loads, sketch, sketch_within};
@@ -97,6 +98,13 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool) -> Vec<Ways
     let (ends, _) = rivals(most, ends);
     let (mut ends, mut worse) = open(ends);
     others(&mut ends, f64::INFINITY);
+    let rate_hz = data.iter().map(|one| one.rate_hz).fold(0.0, f64::max);
+    let softer = |ends: &Ends, edge: f64, next: f64| -> Vec<(usize, Model)> {
+        let each =
+            ends.iter().filter_map(|(of, (model, _))| Some((*of, seen_next(model, edge, next, rate_hz)?)));
+        each.collect()
+    };
+    detented.extend(softer(&ends, COARSE_HZ, MIDDLE_HZ));
     detented.extend(ends.into_iter().map(|(of, (model, _))| (of, model)));
     let mut between = watch.each(&detented, |(of, model)| (*of, on(model, |m| sketch(&middle, m))));
     between.sort_by_cached_key(cost);
@@ -109,7 +117,9 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool) -> Vec<Ways
     between.sort_by_cached_key(cost);
     others(&mut between, RIVAL);
     let (first, rest) = between.split_at(between.len().min(FINE));
-    let mut fine = watch.each(first, |(of, (model, _))| (*of, on(model, |m| sketch(data, m))));
+    let mut first: Vec<(usize, Model)> = first.iter().map(|(of, (model, _))| (*of, model.clone())).collect();
+    first.extend(softer(&between, MIDDLE_HZ, BEFORE * MIDDLE_HZ));
+    let mut fine = watch.each(&first, |(of, model)| (*of, on(model, |m| sketch(data, m))));
     let used = data.iter().map(|one| one.used() as f64).sum::<f64>();
     let least = |ends: &Ends| ends.iter().map(|(_, (_, found))| found.cost).fold(f64::INFINITY, f64::min);
     let within = (RIVAL * least(&fine) / used).sqrt();

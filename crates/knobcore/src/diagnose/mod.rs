@@ -26,6 +26,7 @@ mod strides;
 #[cfg(test)]
 mod tests;
 mod thinned;
+mod unseen;
 mod verdict;
 mod watch;
 

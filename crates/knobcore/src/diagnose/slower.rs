@@ -11,9 +11,9 @@ use crate::signals::Signals;
 pub const COARSE_HZ: f64 = 60.0;
 pub const MIDDLE_HZ: f64 = 150.0;
 /// Samples that are kept per period of the edge, at least. A joint is simulated in steps from one of them to the next.
-const KEPT: f64 = 36.0;
+pub const KEPT: f64 = 36.0;
 /// The edge before samples are left out, in times of the one after.
-const BEFORE: f64 = 2.5;
+pub const BEFORE: f64 = 2.5;
 
 /// The first samples of captures, so many of each at most: enough to find what is then followed through all of it.
 pub fn beginnings(data: &[&Signals], most: usize) -> Vec<Signals> {

@@ -1,0 +1,57 @@
+//! Joints that a view of captures cannot see: stiffer than anything that its samples show.
+//!
+//! Where contact rings faster than a view has samples, its stiffness changes nothing there, and a descent takes it wherever
+//! chance leads; in the next view, which would tell, there is no slope that leads back.
+
+use super::slower::KEPT;
+use crate::effects::Place;
+use crate::model::Model;
+use crate::prepare::slower;
+use core::f64::consts::TAU;
+
+/// A model whose joint the view through this edge could not see, with one that rings at the edge of the next view and is
+/// damped to a half, as the softer starts of a search are; none where it could.
+pub fn seen_next(model: &Model, edge_hz: f64, next_hz: f64, rate_hz: f64) -> Option<Model> {
+    let p = model.values();
+    let joint = model.joint(&p)?;
+    let carried = joint.share * model.inertia().map(|at| p[at])?;
+    let rings_at = |hz: f64| TAU * hz * slower(rate_hz);
+    // Four samples of the view in a period.
+    if joint.stiffness <= carried * rings_at(edge_hz * KEPT / 4.0).powi(2) {
+        return None;
+    }
+    let id = model.effects().find(|id| id.info().place == Place::Coupling)?;
+    let mut seen = model.clone();
+    for (name, value) in [("k", carried * rings_at(next_hz).powi(2)), ("d", carried * rings_at(next_hz))] {
+        let param = id.info().params.iter().find(|param| param.name == name)?;
+        seen.set(&format!("{}.{name}", id.info().id), value.clamp(param.lower, param.upper)).ok()?;
+    }
+    Some(seen)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::Id;
+    use crate::param::Axis;
+
+    #[test]
+    fn a_joint_that_is_stiffer_than_a_view_shows_begins_softer_in_the_next_and_any_other_goes_on() {
+        let mut model = Model::equation_1(Axis::Rotary, false).with(Id::Backlash).unwrap();
+        for (name, value) in [("inertia.M", 1e-4), ("backlash.gap", 0.01), ("backlash.share", 0.5)] {
+            model.set(name, value).unwrap();
+        }
+        let value = |model: &Model, name: &str| model.slots()[model.index(name).unwrap()].value;
+        // Four samples a period are 9 times the edge: 540 Hz, and 576 N m/rad.
+        for (k, softer) in [(500.0, false), (600.0, true), (9e4, true)] {
+            model.set("backlash.k", k).unwrap();
+            let next = seen_next(&model, 60.0, 150.0, 5000.0);
+            assert_eq!(next.is_some(), softer, "{k}");
+            if let Some(next) = next {
+                let [k, d, gap] = ["k", "d", "gap"].map(|name| value(&next, &format!("backlash.{name}")));
+                assert!((k / 44.4 - 1.0).abs() < 1e-3 && (d / 0.0471 - 1.0).abs() < 1e-3 && gap == 0.01);
+            }
+        }
+        assert!(seen_next(&Model::equation_1(Axis::Rotary, false), 60.0, 150.0, 5000.0).is_none());
+    }
+}
