@@ -24,10 +24,10 @@ from knobcam.rig.figures import Figures
 
 @pytest.fixture(autouse=True)
 def _short(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Motions of five seconds, for which a second is searched."""
+    """Motions of five seconds, for which three are searched at most: a busy machine too gets to the best."""
 
     def designed(rivals: tuple[Rival, ...], limits: Limits) -> kc.Experiment:
-        return design(rivals, dataclasses.replace(limits, duration_s=5.0), search_s=1.0)
+        return design(rivals, dataclasses.replace(limits, duration_s=5.0), search_s=3.0)
 
     monkeypatch.setattr(experiments_module, "design", designed)
 

@@ -20,6 +20,7 @@ from .absent import absent
 from .described import documented
 from .doubts import unsettled
 from .plausible import implausible
+from .price import own, spared
 from .refit import cores, describe, percent, with_clipped
 from .rule import RULE
 from .verdict import CHOSEN, COULD_BE, judged, off_by_law
@@ -71,18 +72,8 @@ class Candidate:
 
     @property
     def charged(self) -> float:
-        """How many parameters it is charged for where others do as well.
-
-        A parameter costs twice the logarithm of its range over what is not known of it (Laplace's evidence,
-        all of the range as likely before), and no more than its price.
-        """
-        rows = {f"{self.effect}.{one.name}": one for one in self.row.params}
-        spared = 0.0
-        for name, known in self.parameters.items():
-            if name in rows and known.determined and known.se > 0.0:
-                choice = (rows[name].upper - rows[name].lower) / known.se
-                spared += 1.0 - min(max(2.0 * math.log(choice) / RULE.price, 0.0), 1.0)
-        return self.count - spared
+        """How many parameters it is charged for where others do as well."""
+        return self.count - spared(self.row, self.parameters)
 
     @property
     def row(self) -> Effect:
@@ -117,8 +108,7 @@ class Candidate:
     @property
     def parameters(self) -> Mapping[str, Estimate]:
         """Its own parameters, as fitted."""
-        mine = f"{self.effect}."
-        return {name: e for name, e in self.fit.params.items() if name.startswith(mine)}
+        return own(self.fit, self.effect)
 
     @property
     def beyond_chance(self) -> bool:

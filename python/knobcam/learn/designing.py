@@ -116,7 +116,7 @@ def design(
 
 
 class _Scored(NamedTuple):
-    """How good a motion is, the least and the largest D of its pairs, and its pieces."""
+    """How good a motion is, the least D of its pairs, the most that any rival leaves, and its pieces."""
 
     score: float
     least: float
@@ -285,8 +285,7 @@ class _Design:
         if (made := self._runnable(pieces, draws=False)) is not None:
             told, score = self._told(made[1])
             if score > -math.inf:
-                most = max(self.telling.pairs(told), default=0.0)
-                scored.append(_Scored(score, self.telling.least(told), most, pieces))
+                scored.append(_Scored(score, self.telling.least(told), float(told.max()), pieces))
 
     def _search_hz(self) -> float:
         rate = self.limits.sample_rate_hz

@@ -3,7 +3,8 @@
 D is what a refit of one rival, with what the data so far say of its parameters, would leave of the torque
 that another predicts, in variances of the noise: r' (Sigma + J V J')^-1 r (Atkinson & Fedorov 1975;
 Buzzi-Ferraris & Forzatti 1983), behind the measurement filter. The expected logarithm of the Bayes factor is
-D/2, and the choice is wrong with the probability Phi(-sqrt(D)/2).
+D/2, and the choice is wrong with the probability Phi(-sqrt(D)/2). Of a pair that captures leave tied D says
+how seldom it is with what they say already.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from statistics import NormalDist
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +20,8 @@ import numpy as np
 from .. import _core
 from ..base.said import OfEffect, Said, joined
 from ..fit.doubts import white_variance
+from ..fit.price import charged, count
+from ..fit.rule import RULE
 from ..model import Model
 from ..model.effects import effects as catalogue
 from ..model.simulate import exact
@@ -40,6 +44,8 @@ _SURE = 3.0  # standard deviations of a speed from which on its sign is known
 _IMITATED = (
     0.1  # of the D the other way: what a model leaves that contains another but for what it has to learn
 )
+_TIED = 2.0  # times what tells two apart: rivals that tied are fitted to their end, which moves the odds
+_NORMAL = NormalDist()
 _EDGE = 0.1  # of the rate: the edge of the torque's filter where the captures have none
 
 
@@ -180,8 +186,45 @@ class Telling:
         """
         return self.white * track.rate_hz / (rate_hz or track.rate_hz)
 
+    @cached_property
+    def leads(self) -> FloatArray:
+        """What captures say already of a row's rival beside a column's: twice the logarithm of the odds.
+
+        As `learn` weighs them, by what each leaves and the price of its parameters, to what counts as told;
+        not a number where captures tell them far beyond that, by that price and by the one that effects come
+        in for.
+        """
+        if not self.white > 0.0:
+            return np.full((len(self.rivals), len(self.rivals)), np.nan)
+        best = min((rival.fit for rival in self.rivals), key=lambda fit: fit.rmse)
+        noise = min(1.0, (best.noise_floor / best.rmse) ** 2) if best.noise_floor > 0.0 else 1.0
+        left = np.array([noise * _left(one.fit) / self.white for one in self.rivals])
+        price = math.log(max(best.white_squares, math.e))
+        plain = left + price * np.array([charged(one.fit, one.effects) for one in self.rivals])
+        full = left + RULE.price * np.array([count(one.fit, one.effects) for one in self.rivals])
+        odds, near = (cost[None, :] - cost[:, None] for cost in (plain, full))
+        tied = np.minimum(np.abs(odds), np.abs(near)) <= _TIED * RULE.alike
+        return np.where(tied, np.clip(odds, -RULE.alike, RULE.alike), np.nan)
+
     def between(self, told: FloatArray, one: int, other: int) -> float:
-        """Return D of a pair of rivals, whichever of them is right.
+        """Return D of a pair of rivals: what makes the wrong choice as rare as a motion and captures do.
+
+        What they say already counts, and so do prices: a model that imitates the plainer one that is right
+        leaves as little as that does on any motion, but no more has its parameters' worth. Each of both is
+        right as often as captures say. Where they tell them already it is D of the motion alone.
+        """
+        lead = float(self.leads[one, other])
+        if math.isnan(lead):
+            return self._alone(told, one, other)
+        sides = (lead, float(told[one, other])), (-lead, float(told[other, one]))
+        wrong = sum(_chosen_wrongly(ahead, d) / (1.0 + math.exp(-0.5 * ahead)) for ahead, d in sides)
+        if wrong > 0.0:
+            return (2.0 * _NORMAL.inv_cdf(min(wrong, 0.5))) ** 2
+        # Too seldom for a number: the worse of both, of which what leads may tell one on any motion.
+        return min((ahead + d) ** 2 / d for ahead, d in sides if d > 0.0)
+
+    def _alone(self, told: FloatArray, one: int, other: int) -> float:
+        """Return D of a pair on the motion alone, whichever of them is right.
 
         But of a model that another one contains, or can imitate with more parameters, only where that other
         one is right: where itself is, both explain the torque on any motion, and the plainer is chosen.
@@ -211,7 +254,19 @@ class Telling:
 
 def wrong_choice(d: float) -> float:
     """Return how often the wrong one of two rivals would be chosen."""
-    return 0.5 * math.erfc(math.sqrt(max(d, 0.0)) / 2.0 / math.sqrt(2.0))
+    return _chosen_wrongly(0.0, max(d, 0.0))
+
+
+def _chosen_wrongly(ahead: float, d: float) -> float:
+    """Return how often a motion of this D turns what spoke for the right one so far to the wrong one."""
+    if d > 0.0:
+        return 0.5 * math.erfc((ahead + d) / (2.0 * math.sqrt(2.0 * d)))
+    return float(ahead < 0.0) if ahead else 0.5
+
+
+def _left(fit: Fit) -> float:
+    """Return the sum of squares that a fit leaves, (N m)^2."""
+    return fit.rmse**2 * sum(one.core.used for one in fit.prepared)
 
 
 def _of_the_knob(model: Model) -> list[str]:
