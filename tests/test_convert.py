@@ -267,3 +267,14 @@ def test_a_function_in_python_is_impossible_outside_of_it_and_rendered_in_mujoco
         assert right(convert(model, "mujoco", motion=kc.motion("hand", 0.2)))
     finally:
         kc.forget_effect("wiggle")
+
+
+def test_knocks_that_rounding_parts_are_said_and_nothing_is_where_all_is_as_foretold() -> None:
+    knob = kc.Model.load("knob4").with_effect("backlash").with_value("backlash.gap", 0.01)
+    knob = knob.with_value("backlash.k", 50.0)
+    said = {}
+    for damping in (0.01, 0.05):
+        made = knob.with_value("backlash.d", damping).to("c", motion="hand")
+        said[damping] = [one for one in made.remarks if one.startswith("More is measured")]
+        assert made.document()["remarks"] == list(made.remarks)
+    assert [len(lines) for lines in said.values()] == [1, 0] and "knock" in said[0.01][0]

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
+from fmpy.validation import validate_fmu
 
 import knobcam as kc
 from knobcam.render.convert import convert, library
@@ -246,6 +247,7 @@ def test_a_unit_of_fmi_renders_to_the_last_bit(name: str, tmp_path: Path) -> Non
     model = named(name)
     file = convert(model, "fmu", motion=kc.motion("hand", 0.1)).save(tmp_path / "knob.fmu")
     assert fmpy.supported_platforms(str(file)) == [library.fmi_platform(2)]
+    assert validate_fmu(str(file)) == []
     described = fmpy.read_model_description(str(file), validate=True)
     numbers = {one.name: one.valueReference for one in described.modelVariables}
     inputs = [numbers[one] for one in ("theta", "omega", "alpha")]
@@ -278,6 +280,7 @@ def test_a_unit_of_fmi_3_renders_to_the_last_bit(name: str, tmp_path: Path) -> N
     model = named(name)
     file = convert(model, "fmu", motion=kc.motion("hand", 0.1), fmi=3).save(tmp_path / "knob.fmu")
     assert fmpy.supported_platforms(str(file)) == [fmpy.platform]
+    assert validate_fmu(str(file)) == []
     described = fmpy.read_model_description(str(file), validate=True)
     assert described.fmiVersion == "3.0"
     numbers = {one.name: one.valueReference for one in described.modelVariables}

@@ -102,6 +102,8 @@ const PER_COUNT: f64 = 0.1;
 const USUAL: [f64; 2] = [3e-5, 0.03];
 /// Count of an encoder that nobody described (that of the paper's), rad.
 const USUAL_COUNT: f64 = 9.8e-6;
+/// The stiffness and damping that no joint is cut to.
+const UNCUT: [f64; 2] = [f64::INFINITY, 0.0];
 /// A speed that no sensor tells from rest, rad/s.
 pub(super) const SLOWEST: f64 = 1e-3;
 /// A twentieth of the finest step of a velocity (that of the paper's sensor), rad/s: whatever is not zero is
@@ -124,7 +126,7 @@ impl Tuning {
             count: 0.0,
             freshness: 1.0,
             own: [0.0; 2],
-            stiffest: [f64::INFINITY, 0.0],
+            stiffest: UNCUT,
         }
     }
 
@@ -160,7 +162,8 @@ impl Tuning {
             count: device.encoder_step,
             freshness: 1.0 - Scalar::exp(-dt / corner),
             own,
-            stiffest: [stiffness, damping],
+            // Where the motion is imposed and its angle is exact nothing rings, and no count shakes a joint.
+            stiffest: if device.held && device.encoder_step == 0.0 { UNCUT } else { [stiffness, damping] },
         }
     }
 }
@@ -230,6 +233,9 @@ mod tests {
         let held = Tuning::of(&device(true), &nature(1e-4), 2e-4);
         assert!((held.stiffness * device(true).encoder_step / 0.02 - 1.0).abs() < 1e-12);
         assert!((held.damping * DIRECTED / 0.02 - 1.0).abs() < 1e-12);
+        assert_eq!(held.stiffest, [held.stiffness, held.damping]);
+        let exact = Tuning::of(&Device { encoder_step: 0.0, ..device(true) }, &nature(1e-4), 2e-4);
+        assert_eq!(exact.stiffest, UNCUT);
         // What the handle adds is taken off, all of it; of a free one no more than the model has.
         assert_eq!(held.own, [-5e-5, -1e-3]);
         assert_eq!(Tuning::of(&device(false), &nature(1e-4), 2e-4).own, [-5e-5, 0.0]);

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from ...capture.motions import MotionTrack
     from ...model import Model
 
+_MORE = 1e-3  # of the torque RMS: measured errors that are beyond those foretold by more need a word
 _STILL = 1e-9  # of the greatest speed: what rounding leaves of a reversal
 Kind = Literal["exact", "approximate", "impossible"]
 
@@ -108,6 +109,18 @@ class Conversion(showing.Tabled):
         """RMS torque by which the written form misses the model on the motion, N m; None: not measured."""
         return self.measured.error
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What a user has to know, that more was measured than foretold included."""
+        error = self.measured_error
+        if error is None or error - self.predicted_error <= _MORE * self.measured.torque:
+            return self.form.remarks
+        said = "More is measured than expected: "
+        if self.kept.joint is None:
+            return (*self.form.remarks, f"{said}it is not what it is said to be on this motion; report it.")
+        why = "surfaces that knock carry what rounding leaves into other knocks, and both are as right."
+        return (*self.form.remarks, said + why)
+
     @checked
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the file, whole or not at all, and return its path."""
@@ -137,7 +150,7 @@ class Conversion(showing.Tabled):
             "predicted_error": self.predicted_error,
             "measured_error": self.measured_error,
             "not_measured": self.measured.why_not or None,
-            "remarks": list(self.form.remarks),
+            "remarks": list(self.remarks),
         }
 
     _HEAD = ("effect", "there", "expected error", "by")
@@ -166,7 +179,7 @@ class Conversion(showing.Tabled):
 
     def __repr__(self) -> str:
         lines = [f"{self.model.name or 'The model'} for {self.target}", text_table(self._HEAD, self._rows())]
-        return "\n".join([*lines, self.summary, *self.form.remarks])
+        return "\n".join([*lines, self.summary, *self.remarks])
 
     def tables(self) -> tuple[TextTable, ...]:
         """What it says of itself, as text."""

@@ -80,12 +80,13 @@ def _second(every: Sequence[_Variable]) -> dict[str, str]:
             f"description={quoteattr(one.what)} {one.attributes}>"
             f"<{'Boolean' if one.choice else 'Real'}{start}/></ScalarVariable>"
         )
+    unknown = f'<Unknown index="{_COUNT}" dependencies=""/>'
     return {
         "token": "guid",
         "more": ' numberOfEventIndicators="0"',
         "offers": ' canNotUseMemoryManagementFunctions="true"',
         "variables": "\n".join(lines),
-        "structure": f'    <Outputs><Unknown index="{_COUNT}" dependencies=""/></Outputs>',
+        "structure": f"    <Outputs>{unknown}</Outputs>\n    <InitialUnknowns>{unknown}</InitialUnknowns>",
     }
 
 
