@@ -106,10 +106,29 @@ def test_cp_and_cpk_are_those_of_the_textbook_and_their_intervals_hold_the_truth
 def test_a_control_chart_sees_a_drift_that_no_single_capture_shows_and_no_other():
     rng = np.random.default_rng(4)
     still = rng.normal(1.0, 0.02, 60)
-    assert len(chart(still, "x", 30).out) <= 1
-    moved = still + np.where(np.arange(60) >= 30, 0.025, 0.0)
+    assert chart(still, "x", 30).out == []
+    moved = still + np.where(np.arange(60) >= 30, 0.035, 0.0)
     out = chart(moved, "x", 30).out
     assert out and 30 <= out[0] <= 45 and out[-1] == 59
+
+
+@pytest.mark.parametrize(("begun", "values"), [(10, 30), (50, 150), (100, 300)])
+def test_of_a_process_that_stays_hardly_any_chart_is_red(begun: int, values: int):
+    rng = np.random.default_rng(begun)
+    red = sum(bool(chart(rng.normal(1.0, 0.02, values), "x", begun).out) for _ in range(300))
+    assert red <= 10  # three are expected
+
+
+def test_of_three_stations_the_one_that_moved_is_told_and_not_the_others():
+    rng = np.random.default_rng(6)
+    rows = []
+    for station, gain in (("1", 1.0), ("2", 1.03), ("3", 1.0)):
+        for number in range(40):
+            row = made(rng, f"{station}/{number}", station=station)
+            row["params"]["coulomb.pos"] = [gain * (0.009 + rng.normal(0.0, 1e-4)), 0.0, 1.0]
+            rows.append(row)
+    told = [one for one in Study.of(rows, None).shifts if one.parameter == "coulomb.pos"]
+    assert [one.name for one in told] == ["2"] and told[0].ci95[0] < 3.0 < told[0].ci95[1]
 
 
 def test_gauge_study_takes_apart_repeats_stations_and_parts():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,7 +21,10 @@ FEWEST = 5
 LEVEL = 0.01
 """Chance of saying of any lot or station of a table that it moved where none did."""
 # Of the moving average: Montgomery, Introduction to Statistical Quality Control, 9.2.
-_STEEP, _WIDE = 0.2, 2.7
+_STEEP = 0.2
+# Charts of normal values that are drawn to find how far the average goes by chance, and the longest of them: a
+# longer one has its band.
+_DRAWS, _LONGEST = 2000, 2000
 
 
 class Capable(NamedTuple):
@@ -74,16 +78,43 @@ class Chart(NamedTuple):
 def chart(values: FloatArray, parameter: str, begun: int) -> Chart:
     """Return the EWMA chart of a parameter in the order in which captures were made.
 
-    Its middle and width are those of the first `begun` values, by medians: what a process was at first.
+    Its middle and width are those of the first `begun` values that are not far from the others: what a
+    process was at first. Of one that stays there one chart in a hundred (`LEVEL`) has a point beyond the
+    band, however few told what it was.
     """
+    first = usual(values[:begun])
+    known = len(first) > 1
+    middle, deviation = (np.mean(first), np.std(first, ddof=1)) if known else (math.nan, math.nan)
     pandas = require("pandas", "control charts", "fleet")
-    first = values[:begun]
-    middle = float(np.nanmedian(first))
-    deviation = 1.4826 * float(np.nanmedian(np.abs(first - middle)))
     series = pandas.Series([middle, *values]).ewm(alpha=_STEEP, adjust=False, ignore_na=True).mean()
-    at = np.arange(1, len(values) + 1)
-    half = _WIDE * deviation * np.sqrt(_STEEP / (2.0 - _STEEP) * (1.0 - (1.0 - _STEEP) ** (2 * at)))
-    return Chart(parameter, values, series.to_numpy()[1:], middle, half)
+    half = (
+        _wide(min(max(len(first), 2), _LONGEST), min(len(values), _LONGEST))
+        * deviation
+        * _spread(len(values))
+    )
+    return Chart(parameter, values, series.to_numpy()[1:], float(middle), half)
+
+
+def _spread(values: int) -> FloatArray:
+    """Return the deviation of the average after 1, 2 ... values, in those of one value."""
+    at = np.arange(1, values + 1)
+    left = 1.0 - (1.0 - _STEEP) ** (2 * at)
+    return np.asarray(np.sqrt(_STEEP / (2.0 - _STEEP) * left))
+
+
+@cache
+def _wide(begun: int, values: int) -> float:
+    """Return how many deviations of its own a chart's average stays within, but for `LEVEL` of all charts.
+
+    Drawn, not looked up: what a process was is known from `begun` values alone, and so is how much it varies.
+    """
+    lfilter = require("scipy.signal", "control charts", "fleet").lfilter
+    drawn = np.random.default_rng(0).standard_normal((_DRAWS, values))
+    middle = np.mean(drawn[:, :begun], axis=1, keepdims=True)
+    deviation = np.std(drawn[:, :begun], axis=1, ddof=1)
+    mean = lfilter([_STEEP], [1.0, _STEEP - 1.0], drawn - middle, axis=1)
+    farthest = np.max(np.abs(mean) / _spread(values), axis=1)
+    return float(np.quantile(farthest / deviation, 1.0 - LEVEL))
 
 
 class Shift(NamedTuple):
@@ -108,31 +139,39 @@ def shifts(table: Any, names: Sequence[str], by: str) -> list[Shift]:
     """Return which lots or stations differ from the rest in what, the surest first.
 
     Welch's test without those far from their own middle, which are said one by one; Holm's correction over
-    all that is compared.
+    all that is compared. The surest is taken out of the rest that the others are compared with, one after the
+    other: beside one that moved, those that did not would seem to have moved the other way.
     """
-    stats = require("scipy.stats", "comparing lots", "fleet")
     holm = require("statsmodels.stats.multitest", "comparing lots", "fleet").multipletests
-    found = []
-    every = list(dict.fromkeys(table[by]))
-    for name in every[len(every) <= 2 :]:  # of two, the later is told by the first
-        mine = table[by] == name
+    moved: dict[tuple[str, str], Shift] = {}
+    while True:
+        found = []
         for parameter in names:
-            a, b = (usual(table.loc[some, parameter].to_numpy(dtype=float)) for some in (mine, ~mine))
-            if len(a) < FEWEST or len(b) < FEWEST or not np.mean(b):
-                continue
-            if np.ptp(a) == np.ptp(b) == 0.0:
-                continue
-            test = stats.ttest_ind(a, b, equal_var=False)
-            ends = test.confidence_interval(0.95)
-            scale = 100.0 / abs(float(np.mean(b)))
-            change = float(np.mean(a) - np.mean(b)) * scale
-            found.append(
-                Shift(by, name, parameter, change, (ends.low * scale, ends.high * scale), float(test.pvalue))
-            )
-    if not found:
-        return []
-    sure = holm([one.p_value for one in found], alpha=LEVEL, method="holm")[0]
-    return sorted((one for one, yes in zip(found, sure, strict=True) if yes), key=lambda one: one.p_value)
+            left = [one for one in dict.fromkeys(table[by]) if (one, parameter) not in moved]
+            for name in left[len(left) <= 2 :]:  # of two, the later is told by the first
+                rest = [one for one in left if one != name]
+                one = _shift(table, parameter, by, name, rest)
+                found += [] if one is None else [one]
+        sure = holm([one.p_value for one in found], alpha=LEVEL, method="holm")[0] if found else []
+        beyond = [one for one, yes in zip(found, sure, strict=True) if yes]
+        if not beyond:
+            return sorted(moved.values(), key=lambda one: one.p_value)
+        surest = min(beyond, key=lambda one: one.p_value)
+        moved[surest.name, surest.parameter] = surest
+
+
+def _shift(table: Any, parameter: str, by: str, name: str, rest: Sequence[str]) -> Shift | None:
+    """Return how a lot or station differs from the rest; None where too few tell."""
+    stats = require("scipy.stats", "comparing lots", "fleet")
+    column, of = table[parameter], table[by]
+    a, b = (usual(column[some].to_numpy(dtype=float)) for some in (of == name, of.isin(rest)))
+    if len(a) < FEWEST or len(b) < FEWEST or not np.mean(b) or np.ptp(a) == np.ptp(b) == 0.0:
+        return None
+    test = stats.ttest_ind(a, b, equal_var=False)
+    ends = test.confidence_interval(0.95)
+    scale = 100.0 / abs(float(np.mean(b)))
+    change = float(np.mean(a) - np.mean(b)) * scale
+    return Shift(by, name, parameter, change, (ends.low * scale, ends.high * scale), float(test.pvalue))
 
 
 def usual(values: FloatArray) -> FloatArray:
