@@ -119,6 +119,17 @@ def test_of_a_process_that_stays_hardly_any_chart_is_red(begun: int, values: int
     assert red <= 10  # three are expected
 
 
+def test_what_drifts_within_one_lot_is_said():
+    rng = np.random.default_rng(7)
+    rows = []
+    for number in range(60):
+        row = made(rng, f"{number:02d}")
+        row["params"]["coulomb.pos"] = [0.009 * (1.0 + 0.003 * number) + rng.normal(0.0, 1e-4), 0.0, 1.0]
+        rows.append(row)
+    said = [one for one in Study.of(rows, None).said if "drifts" in one]
+    assert len(said) == 1 and said[0].startswith("coulomb.pos drifts: its running mean is beyond chance")
+
+
 def test_of_three_stations_the_one_that_moved_is_told_and_not_the_others():
     rng = np.random.default_rng(6)
     rows = []

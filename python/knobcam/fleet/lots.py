@@ -22,8 +22,8 @@ LEVEL = 0.01
 """Chance of saying of any lot or station of a table that it moved where none did."""
 # Of the moving average: Montgomery, Introduction to Statistical Quality Control, 9.2.
 _STEEP = 0.2
-# Charts of normal values that are drawn to find how far the average goes by chance, and the longest of them: a
-# longer one has its band.
+# Charts of normal values that are drawn to find how far the average goes by chance, and the longest of them:
+# one that is longer has its band.
 _DRAWS, _LONGEST = 2000, 2000
 
 

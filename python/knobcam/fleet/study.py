@@ -69,7 +69,16 @@ class Study:
         single = [one for one in self.shifts if (one.by, one.name) not in by_gain]
         known = {(one.lot, one.effect) for one in self.more}
         weak = [one for one in self.pooled if (one.lot, one.effect) not in known]
-        return [f"{one}." for one in (*self.gains, *self.more, *weak, *single)]
+        return [f"{one}." for one in (*self.gains, *self.more, *weak, *single, *self._drifts)]
+
+    @property
+    def _drifts(self) -> list[str]:
+        """What moved along the captures, and not from lot to lot or from station to station."""
+        told = {one.parameter for one in self.shifts}
+        drift = [one for one in self.charts if one.out and one.parameter not in told]
+        first = [self.table["capture"].iloc[one.out[0]] for one in drift]
+        said = "drifts: its running mean is beyond chance first at"
+        return [f"{one.parameter} {said} {at}" for one, at in zip(drift, first, strict=True)]
 
     def document(self) -> dict[str, Any]:
         """Return them as documents have them."""

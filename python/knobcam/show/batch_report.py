@@ -53,6 +53,8 @@ def _verdict(result: BatchResult) -> tuple[str, str]:
         return "not all OK", "unexplained"
     if result.found or result.study.said:
         return "look at it", "missing"
+    if any(row["error"] is not None for row in result.rows):
+        return "not all read", "missing"
     return "all OK" if result.limits is not None else "all alike", "complete"
 
 
