@@ -13,10 +13,13 @@ import told as told_as
 
 import knobcam as kc
 from knobcam.base import pages
-from knobcam.base.said import OfEffect, Said
+from knobcam.base.said import OfEffect, Said, said
 from knobcam.base.strict_json import as_json
 from knobcam.errors import InputError
-from knobcam.workbench import kept, saving, state
+from knobcam.fit.diagnose import diagnose
+from knobcam.learn import LearningResult
+from knobcam.learn.ladder import LearningStep, Unexplained
+from knobcam.workbench import adding, ended, kept, saving, state
 from knobcam.workbench.bench import Bench
 from knobcam.workbench.jobs import Cancelled
 from knobcam.workbench.session import Session
@@ -91,7 +94,7 @@ def test_what_a_search_found_is_in_the_script_of_the_session(
     assert runpy.run_path(str(script))["fit"].model.text() == searched.node.fit.model.text()
 
 
-def test_a_session_goes_on_with_what_a_search_had_found(recording: Path, tmp_path: Path) -> None:
+def test_a_session_goes_on_with_what_a_search_had_found_and_said(recording: Path, tmp_path: Path) -> None:
     first = Bench(kept_in=tmp_path / "sessions")
     first.session.open(str(recording))
     first.session.search()
@@ -104,8 +107,31 @@ def test_a_session_goes_on_with_what_a_search_had_found(recording: Path, tmp_pat
         assert second.document()["notes"] == []
         assert after["branches"][0]["steps"][-1]["added"] == before["branches"][0]["steps"][-1]["added"]
         assert after["rmse"] == pytest.approx(before["rmse"], rel=kept._ALIKE)
+        for one in ("concluded", "verdict"):
+            assert Said.of(after[one]) == Said.of(before[one])
+        assert [after[one] for one in ("added", "record", "searched")] == [[], before["record"], True]
+        known = adding.story(second.session, quiet)
+        for weighed in (known.before, known.first_diagnosis):
+            assert weighed.fit.model.effects == known.ladder[0].effects
+        with pytest.raises(InputError, match="in the model already"):
+            second.session.search()
     finally:
         second.close()
+
+
+def test_a_verdict_that_names_what_is_left_or_what_one_more_would_take_is_kept_word_for_word(
+    sprung: kc.Capture,
+) -> None:
+    session = Session()
+    session.take(sprung, "sprung")
+    weighed, (node,) = session.weigh(), session.branch.done
+    hint = said("a line at {hz} Hz, beside {what}", hz="50", what=OfEffect("detent"))
+    for last in (weighed, diagnose(node.fit, only=())):
+        first = LearningResult((LearningStep(node.fit),), (), last, Unexplained("time", 0.4, hint))
+        told = json.loads(as_json(ended.of_search(node.id, first)))["searched"]
+        again = ended.again(told, [node])
+        assert again.headline.parts == first.headline.parts
+        assert again.last.best is not None and again.last.best.effect == "return_spring"
 
 
 def test_a_search_says_in_names_what_it_does_and_how_much_and_a_stop_changes_nothing(recording: Path) -> None:
