@@ -179,7 +179,7 @@ const units = await page.evaluate(() => {
   const rows = globalThis.knobcam.app.linked.residuals.map(({ contents }) => contents.yAxis.label);
   return [...rows, document.querySelector("#ladder .head").textContent, document.querySelector("#verdict").textContent];
 });
-assert.ok(units.every((words) => words.includes("mNm") && !/ N m\b/.test(words)), units.join(" | "));
+assert.ok(units.every((words) => words.includes("mNm") && !/\sN\sm\b/.test(words)), units.join(" | "));
 await done(page, "add", () => page.locator("#verdict .leads", { hasText: "Add it" }).click());
 assert.deepEqual((await stateOf(page)).params, second.params);
 await page.locator(".params .meaning", { hasText: "moment of inertia" }).waitFor({ state: "attached" });

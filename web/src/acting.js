@@ -10,6 +10,16 @@ import { Motion, SEEN, drawSection, kindOf } from "./section.js";
 const PACE = 0.35; // of the time that the motion took: slower, to be followed
 
 /**
+ * What an effect adds at a moment; of one to which nothing is fitted nothing is known.
+ * @param {number | null} torque SI, null where the effect was not weighed
+ * @param {{factor: number, unit: string}} scale
+ */
+export function addsWords(torque, { factor, unit }) {
+  if (torque === null) return "what it adds is not weighed here";
+  return Number.isFinite(torque) ? `adds ${number(torque * factor)} ${unit}` : "nothing is fitted to this moment";
+}
+
+/**
  * @param {Effect} effect
  * @param {Shown} shown `added`: what it would add at each sample, null where it is not weighed
  * @returns {HTMLElement}
@@ -34,8 +44,7 @@ export function acting(effect, { data, at, added }) {
     const colours = Object.fromEntries(Object.entries(named).map(([name, style]) => [name, styleValue(style, canvas)]));
     drawSection(canvas, effect, motion, now, /** @type {import("./section.js").Look} */ (colours));
     const scale = torqueScale(data);
-    const torque = motion.added ? `adds ${number(motion.added[now] * scale.factor)} ${scale.unit}` : "what it adds is not weighed here";
-    words.textContent = `${number(t[now], 4)} s: ${torque}`;
+    words.textContent = `${number(t[now], 4)} s: ${addsWords(motion.added ? motion.added[now] : null, scale)}`;
   };
   const frame = (/** @type {number} */ clock) => {
     if (!playing || !canvas.isConnected || !canvas.closest("dialog[open]")) return run(false);
