@@ -137,6 +137,8 @@ await page.waitForFunction(() => document.querySelector("#about img")?.naturalWi
 const moment = page.getByLabel("moment", { exact: true });
 await moment.fill(String(Math.round(0.6 * Number(await moment.getAttribute("max"))))); // by hand it stands still
 await page.getByRole("button", { name: "Play" }).waitFor();
+const close = await page.locator("#about-close").boundingBox();
+assert.ok(close.y + close.height < page.viewportSize().height, "the way out is in sight");
 await picture("3-about");
 await page.emulateMedia({ reducedMotion: "reduce" });
 await page.getByRole("button", { name: "Close" }).click();

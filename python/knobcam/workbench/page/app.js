@@ -1427,9 +1427,10 @@ function mass(brush, { theta }, { ink, shade, colour }) {
 
 // src/acting.js
 var PACE = 0.35;
-function addsWords(torque, { factor: factor2, unit }) {
-  if (torque === null) return "what it adds is not weighed here";
-  return Number.isFinite(torque) ? `adds ${number(torque * factor2)} ${unit}` : "nothing is fitted to this moment";
+function momentWords(seconds2, torque, { factor: factor2, unit }) {
+  const at = `${String(Number(seconds2.toPrecision(4))).replace("-", "−")} s: `;
+  if (torque === null) return `${at}what it adds is not weighed here`;
+  return at + (Number.isFinite(torque) ? `adds ${number(torque * factor2)} ${unit}` : "nothing is fitted to this moment");
 }
 function acting(effect, { data, at, added }) {
   const { t } = data.columns;
@@ -1457,7 +1458,7 @@ function acting(effect, { data, at, added }) {
       colours
     );
     const scale = torqueScale(data);
-    words4.textContent = `${number(t[now], 4)} s: ${addsWords(motion.added ? motion.added[now] : null, scale)}`;
+    words4.textContent = momentWords(t[now], motion.added ? motion.added[now] : null, scale);
   };
   const frame = (clock) => {
     if (!playing || !canvas.isConnected || !canvas.closest("dialog[open]")) return run(false);
@@ -4287,7 +4288,7 @@ var Within = class {
     this.wanted = {};
     for (const { name: name2, value, validity } of this.fields) {
       if (validity.badInput) this.wanted[name2] = "no number";
-      else if (value.trim() !== "" && Number(value) !== rounded(this.reached[name2])) this.wanted[name2] = Number(value);
+      else if (value.trim() !== "" && Number(value) !== shownLimit(name2, this.reached[name2], this.reached)) this.wanted[name2] = Number(value);
     }
     this.shown = "";
   }
@@ -4311,7 +4312,7 @@ var Within = class {
     const words4 = limitWords(about2);
     for (const field3 of this.fields) {
       const value = this.all[field3.name];
-      field3.value = value === void 0 ? "" : String(rounded(value));
+      field3.value = value === void 0 ? "" : String(shownLimit(field3.name, value, this.reached));
       if (field3.name in words4 && field3.previousElementSibling) field3.previousElementSibling.textContent = words4[field3.name];
     }
     const own = Object.keys(this.wanted).length;
@@ -4323,7 +4324,8 @@ var Within = class {
    */
   adopt(limits2) {
     if (Object.keys(this.wanted).length > 0) return;
-    const other = Object.entries(limits2).filter(([name2, value]) => rounded(value) !== rounded(this.reached[name2] ?? value));
+    const shown2 = (name2, value) => shownLimit(name2, value, this.reached);
+    const other = Object.entries(limits2).filter(([name2, value]) => shown2(name2, value) !== shown2(name2, this.reached[name2] ?? value));
     this.wanted = Object.fromEntries(other);
   }
   /**
@@ -4337,8 +4339,10 @@ var Within = class {
     if (enough) byId("next-enough").textContent = `Design with ${enoughWords(wider(enough, this.all), aboutOf(state))}`;
   }
 };
-function rounded(value) {
-  return Number(value.toPrecision(DIGITS));
+function shownLimit(name2, value, { theta_min_rad: low, theta_max_rad: high }) {
+  if (!name2.startsWith("theta_") || !(high > low)) return Number(value.toPrecision(DIGITS));
+  const decimals = DIGITS - 1 - Math.floor(Math.log10(high - low));
+  return Number(value.toFixed(Math.min(20, Math.max(0, decimals)))) + 0;
 }
 function wider({ limit, to }, { theta_min_rad, theta_max_rad }) {
   return limit === "theta_max_rad" ? { theta_min_rad: theta_min_rad + theta_max_rad - to, theta_max_rad: to } : { [limit]: to };
