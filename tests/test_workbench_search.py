@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import runpy
+from dataclasses import replace
 from pathlib import Path
 
 import httpx
@@ -110,6 +111,8 @@ def test_a_session_goes_on_with_what_a_search_had_found_and_said(recording: Path
         for one in ("concluded", "verdict"):
             assert Said.of(after[one]) == Said.of(before[one])
         assert [after[one] for one in ("added", "record", "searched")] == [[], before["record"], True]
+        ends = [[end for one in page["params"] for end in one["ci95"] or ()] for page in (before, after)]
+        assert ends[1] == pytest.approx(ends[0], rel=1e-3)
         known = adding.story(second.session, quiet)
         for weighed in (known.before, known.first_diagnosis):
             assert weighed.fit.model.effects == known.ladder[0].effects
@@ -132,6 +135,23 @@ def test_a_verdict_that_names_what_is_left_or_what_one_more_would_take_is_kept_w
         again = ended.again(told, [node])
         assert again.headline.parts == first.headline.parts
         assert again.last.best is not None and again.last.best.effect == "return_spring"
+
+
+def test_intervals_that_carry_a_choice_between_effects_are_kept(sprung: kc.Capture) -> None:
+    session = Session()
+    session.take(sprung, "sprung")
+    weighed = session.weigh()
+    session.add("return_spring")
+    first, last = session.branch.done
+    # Two that explain as much: how far they part is in the intervals.
+    either = replace(weighed["unbalance"], word="alike", gain=weighed["return_spring"].gain)
+    chosen = replace(weighed, candidates=(weighed["return_spring"], either))
+    steps = (LearningStep(first.fit), LearningStep(last.fit, "return_spring", diagnosis=chosen))
+    found = LearningResult(steps, ("return_spring",), diagnose(last.fit, only=()), None)
+    again = ended.again(json.loads(as_json(ended.of_search(last.id, found)))["searched"], [first, last])
+    for name, known in found.params.items():
+        assert again.params[name].se == pytest.approx(known.se, rel=1e-9, nan_ok=True)
+    assert any(again.params[name].se > 1.01 * one.se for name, one in last.fit.params.items())
 
 
 def test_a_search_says_in_names_what_it_does_and_how_much_and_a_stop_changes_nothing(recording: Path) -> None:

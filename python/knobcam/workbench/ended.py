@@ -9,6 +9,8 @@ from ..base.said import Said
 from ..fit.diagnose import diagnose
 from ..learn import LearningResult
 from ..learn.ladder import Unexplained
+from ..learn.loosened import with_shapes
+from ..learn.rivals import with_choice
 from ..model.effects import effects
 from .learned import ladder
 
@@ -24,7 +26,10 @@ def of_search(node: str, told: LearningResult) -> Record:
     what, best = told.unexplained, told.weighed.best
     left = None if what is None else what._asdict() | {"hint": Said(what.hint).document()}
     known = {"node": node, "found": list(told.found), "unexplained": left}
-    return {"searched": known | {"best": None if best is None else best.effect}}
+    own, wider = told.fit.params, with_choice(told.fit.params, told.ladder)
+    # How far the rivals of what came in spread a value, which only their fits tell.
+    spread = {name: one.se**2 - own[name].se ** 2 for name, one in wider.items() if one.se > own[name].se}
+    return {"searched": known | {"best": None if best is None else best.effect, "spread": spread}}
 
 
 def again(told: Record, done: Sequence[Node]) -> LearningResult:
@@ -36,4 +41,7 @@ def again(told: Record, done: Sequence[Node]) -> LearningResult:
     only = [best] if best in effects(fit.model.coordinate) else []
     weighed = replace(diagnose(fit, only=only), whole=False)
     what = None if left is None else Unexplained(left["axis"], left["share"], Said.of(left["hint"]))
-    return LearningResult(tuple(ladder(done)), tuple(told["found"]), weighed, what)
+    found = LearningResult(tuple(ladder(done)), tuple(told["found"]), weighed, what)
+    wider = {name: fit.params[name].widened(more) for name, more in told["spread"].items()}
+    vars(found)["params"] = with_shapes({**fit.params, **wider}, fit)  # as if it had computed them
+    return found
