@@ -23,6 +23,7 @@ from knobcam.learn.ladder import LearningStep, Unexplained
 from knobcam.workbench import adding, ended, kept, saving, state
 from knobcam.workbench.bench import Bench
 from knobcam.workbench.jobs import Cancelled
+from knobcam.workbench.journal import Journal
 from knobcam.workbench.session import Session
 from knobcam.workbench.tell import quiet
 
@@ -120,6 +121,22 @@ def test_a_session_goes_on_with_what_a_search_had_found_and_said(recording: Path
             second.session.search()
     finally:
         second.close()
+
+
+@pytest.mark.parametrize(
+    ("off", "rung", "noted"), [(1e-5, 0, 0), (1e-3, 0, 1), (1e-5, None, 1), (1e-7, None, 0)]
+)
+def test_a_fit_of_a_search_may_end_a_little_elsewhere_when_it_is_made_again(
+    recording: Path, tmp_path: Path, off: float, rung: int | None, noted: int
+) -> None:
+    with_one = Bench(kept_in=tmp_path / "sessions")
+    with_one.session.open(str(recording))
+    with_one.close()
+    told = kept.Told.of(tmp_path / "sessions" / "000001")
+    for one in told.nodes.values():
+        told.nodes[one["id"]] = {**one, "rung": rung, "rmse": (1.0 + off) * one["rmse"]}
+    with Journal.taken(tmp_path / "sessions" / "000001") as journal:
+        assert len(kept.again(told, journal, quiet).notes) == noted
 
 
 def test_a_verdict_that_names_what_is_left_or_what_one_more_would_take_is_kept_word_for_word(
