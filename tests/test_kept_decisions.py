@@ -187,7 +187,8 @@ def test_of_how_sure_names_are_among_any_rivals() -> None:
         step = SimpleNamespace(
             added=added, weights=rivals.weights(diagnosis, added), equivalent=could[0].equivalent
         )
-        story: Any = SimpleNamespace(found=(added,), ladder=[SimpleNamespace(added=None), step])
+        ladder, model = [SimpleNamespace(added=None), step], SimpleNamespace(effects=(), coordinate="rotary")
+        story: Any = SimpleNamespace(found=(added,), ladder=ladder, model=model)
         untold = contenders.untold(story)
         told.put("  untold", [" for ".join(pair) for pair in untold])
         told.put("  instead", [" ".join(contenders._instead((*effects[:2],), *pair)) for pair in untold])

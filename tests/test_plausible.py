@@ -381,3 +381,14 @@ def test_an_angle_of_which_a_fifth_is_of_another_motion_tells_nothing(count: int
     loud = SimpleNamespace(kind="spike", column="omega", count=900)
     log = SimpleNamespace(findings=[astray, loud], capture=SimpleNamespace(samples=1000, findings=()))
     assert ("split it" in (plausible.columns_at_fault([log]) or "")) == several
+
+
+@pytest.mark.parametrize(
+    ("times", "often"), [(1.0, "once"), (0.999, "once"), (0.5, "0.5 times"), (1.2, "1.2 times")]
+)
+def test_detents_that_return_hardly_more_than_once_a_turn_are_said_to_be_an_unbalance(
+    times: float, often: str
+) -> None:
+    turning = cast(Any, SimpleNamespace(model=SimpleNamespace(period=1.0 / times, coordinate="rotary")))
+    said = plausible._once_a_turn("detent", turning)
+    assert said == [f"it returns {often} a turn, as an unbalance does and no detents do"]

@@ -103,6 +103,10 @@ def test_a_report_has_no_ids_where_effects_have_names(page: str) -> None:
     assert not re.search(r"\b(\w+(?: \w+)*) from \1: either", words)
 
 
+def test_an_error_that_falls_has_a_true_minus_in_the_words_of_a_report(page: str) -> None:
+    assert re.search(r"the RMS error changes by −\d", Page(page).text)
+
+
 def test_a_report_needs_no_network_and_no_other_file(page: str) -> None:
     parsed = Page(page)
     assert {"link", "iframe", "object", "base", "form", "a"}.isdisjoint(parsed.tags)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import runpy
+from dataclasses import replace
 from pathlib import Path
 
 import httpx
@@ -13,12 +14,16 @@ import told as told_as
 
 import knobcam as kc
 from knobcam.base import pages
-from knobcam.base.said import OfEffect, Said
+from knobcam.base.said import OfEffect, Said, said
 from knobcam.base.strict_json import as_json
 from knobcam.errors import InputError
-from knobcam.workbench import kept, saving, state
+from knobcam.fit.diagnose import diagnose
+from knobcam.learn import LearningResult
+from knobcam.learn.ladder import LearningStep, Unexplained
+from knobcam.workbench import adding, ended, kept, saving, state
 from knobcam.workbench.bench import Bench
 from knobcam.workbench.jobs import Cancelled
+from knobcam.workbench.journal import Journal
 from knobcam.workbench.session import Session
 from knobcam.workbench.tell import quiet
 
@@ -91,7 +96,7 @@ def test_what_a_search_found_is_in_the_script_of_the_session(
     assert runpy.run_path(str(script))["fit"].model.text() == searched.node.fit.model.text()
 
 
-def test_a_session_goes_on_with_what_a_search_had_found(recording: Path, tmp_path: Path) -> None:
+def test_a_session_goes_on_with_what_a_search_had_found_and_said(recording: Path, tmp_path: Path) -> None:
     first = Bench(kept_in=tmp_path / "sessions")
     first.session.open(str(recording))
     first.session.search()
@@ -104,8 +109,66 @@ def test_a_session_goes_on_with_what_a_search_had_found(recording: Path, tmp_pat
         assert second.document()["notes"] == []
         assert after["branches"][0]["steps"][-1]["added"] == before["branches"][0]["steps"][-1]["added"]
         assert after["rmse"] == pytest.approx(before["rmse"], rel=kept._ALIKE)
+        for one in ("concluded", "verdict"):
+            assert Said.of(after[one]) == Said.of(before[one])
+        assert [after[one] for one in ("added", "record", "searched")] == [[], before["record"], True]
+        ends = [[end for one in page["params"] for end in one["ci95"] or ()] for page in (before, after)]
+        assert ends[1] == pytest.approx(ends[0], rel=1e-3)
+        known = adding.story(second.session, quiet)
+        for weighed in (known.before, known.first_diagnosis):
+            assert weighed.fit.model.effects == known.ladder[0].effects
+        with pytest.raises(InputError, match="in the model already"):
+            second.session.search()
     finally:
         second.close()
+
+
+@pytest.mark.parametrize(
+    ("off", "rung", "noted"), [(1e-5, 0, 0), (1e-3, 0, 1), (1e-5, None, 1), (1e-7, None, 0)]
+)
+def test_a_fit_of_a_search_may_end_a_little_elsewhere_when_it_is_made_again(
+    recording: Path, tmp_path: Path, off: float, rung: int | None, noted: int
+) -> None:
+    with_one = Bench(kept_in=tmp_path / "sessions")
+    with_one.session.open(str(recording))
+    with_one.close()
+    told = kept.Told.of(tmp_path / "sessions" / "000001")
+    for one in told.nodes.values():
+        told.nodes[one["id"]] = {**one, "rung": rung, "rmse": (1.0 + off) * one["rmse"]}
+    with Journal.taken(tmp_path / "sessions" / "000001") as journal:
+        assert len(kept.again(told, journal, quiet).notes) == noted
+
+
+def test_a_verdict_that_names_what_is_left_or_what_one_more_would_take_is_kept_word_for_word(
+    sprung: kc.Capture,
+) -> None:
+    session = Session()
+    session.take(sprung, "sprung")
+    weighed, (node,) = session.weigh(), session.branch.done
+    hint = said("a line at {hz} Hz, beside {what}", hz="50", what=OfEffect("detent"))
+    for last in (weighed, diagnose(node.fit, only=())):
+        first = LearningResult((LearningStep(node.fit),), (), last, Unexplained("time", 0.4, hint))
+        told = json.loads(as_json(ended.of_search(node.id, first)))["searched"]
+        again = ended.again(told, [node])
+        assert again.headline.parts == first.headline.parts
+        assert again.last.best is not None and again.last.best.effect == "return_spring"
+
+
+def test_intervals_that_carry_a_choice_between_effects_are_kept(sprung: kc.Capture) -> None:
+    session = Session()
+    session.take(sprung, "sprung")
+    weighed = session.weigh()
+    session.add("return_spring")
+    first, last = session.branch.done
+    # Two that explain as much: how far they part is in the intervals.
+    either = replace(weighed["unbalance"], word="alike", gain=weighed["return_spring"].gain)
+    chosen = replace(weighed, candidates=(weighed["return_spring"], either))
+    steps = (LearningStep(first.fit), LearningStep(last.fit, "return_spring", diagnosis=chosen))
+    found = LearningResult(steps, ("return_spring",), diagnose(last.fit, only=()), None)
+    again = ended.again(json.loads(as_json(ended.of_search(last.id, found)))["searched"], [first, last])
+    for name, known in found.params.items():
+        assert again.params[name].se == pytest.approx(known.se, rel=1e-9, nan_ok=True)
+    assert any(again.params[name].se > 1.01 * one.se for name, one in last.fit.params.items())
 
 
 def test_a_search_says_in_names_what_it_does_and_how_much_and_a_stop_changes_nothing(recording: Path) -> None:

@@ -16,6 +16,7 @@ const { browser, page, complaints } = await opened(chrome, address);
 page.setDefaultTimeout(120_000);
 await painted(page, "first picture");
 const ladder = () => page.locator("#ladder .label").allTextContents();
+const alone = page.getByText("Find everything weighs sets too", { exact: false });
 const find = page.getByRole("button", { name: "Find everything", exact: true });
 
 // Given up it changes nothing, and can be begun again.
@@ -28,11 +29,15 @@ await page.locator("#said", { hasText: "cancelled; nothing was changed" }).waitF
 assert.deepEqual(await ladder(), before);
 
 await page.locator("#verdict .leads", { hasText: "find everything" }).waitFor();
-await done(page, "search", () => page.locator("#verdict .leads", { hasText: "find everything" }).click());
+await alone.waitFor(); // whoever goes step by step is told that the search may end elsewhere
+await page.locator("#verdict .leads", { hasText: "find everything" }).evaluate((lead) => lead.click());
+await done(page, "search", () => page.locator("aside").evaluate((aside) => aside.scrollTo(0, aside.scrollHeight)));
 await page.waitForFunction(() => globalThis.knobcam.app.state.searched && globalThis.knobcam.app.state.candidates.ready);
 const found = await ladder();
 const said = await page.locator("#verdict strong").textContent();
-assert.ok(await find.isDisabled(), "there is no more to be found");
+assert.ok(await find.isDisabled() && !(await alone.isVisible()), "there is no more to be found");
+const { y } = await page.locator("#verdict").boundingBox();
+assert.ok(Math.ceil(y) >= (await page.locator("aside").boundingBox()).y, "what was found is in sight");
 await page.locator("h1").hover();
 await page.screenshot({ path: join(folder, "30-found-everything.png") });
 await accessible(page, "everything found");

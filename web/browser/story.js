@@ -137,6 +137,8 @@ await page.waitForFunction(() => document.querySelector("#about img")?.naturalWi
 const moment = page.getByLabel("moment", { exact: true });
 await moment.fill(String(Math.round(0.6 * Number(await moment.getAttribute("max"))))); // by hand it stands still
 await page.getByRole("button", { name: "Play" }).waitFor();
+const close = await page.locator("#about-close").boundingBox();
+assert.ok(close.y + close.height < page.viewportSize().height, "the way out is in sight");
 await picture("3-about");
 await page.emulateMedia({ reducedMotion: "reduce" });
 await page.getByRole("button", { name: "Close" }).click();
@@ -179,7 +181,7 @@ const units = await page.evaluate(() => {
   const rows = globalThis.knobcam.app.linked.residuals.map(({ contents }) => contents.yAxis.label);
   return [...rows, document.querySelector("#ladder .head").textContent, document.querySelector("#verdict").textContent];
 });
-assert.ok(units.every((words) => words.includes("mNm") && !/ N m\b/.test(words)), units.join(" | "));
+assert.ok(units.every((words) => words.includes("mNm") && !/\sN\sm\b/.test(words)), units.join(" | "));
 await done(page, "add", () => page.locator("#verdict .leads", { hasText: "Add it" }).click());
 assert.deepEqual((await stateOf(page)).params, second.params);
 await page.locator(".params .meaning", { hasText: "moment of inertia" }).waitFor({ state: "attached" });

@@ -10,6 +10,18 @@ import { Motion, SEEN, drawSection, kindOf } from "./section.js";
 const PACE = 0.35; // of the time that the motion took: slower, to be followed
 
 /**
+ * What an effect adds at a moment; of one to which nothing is fitted nothing is known.
+ * @param {number} seconds
+ * @param {number | null} torque SI, null where the effect was not weighed
+ * @param {{factor: number, unit: string}} scale
+ */
+export function momentWords(seconds, torque, { factor, unit }) {
+  const at = `${String(Number(seconds.toPrecision(4))).replace("-", "−")} s: `; // no powers of ten: it is a clock
+  if (torque === null) return `${at}what it adds is not weighed here`;
+  return at + (Number.isFinite(torque) ? `adds ${number(torque * factor)} ${unit}` : "nothing is fitted to this moment");
+}
+
+/**
  * @param {Effect} effect
  * @param {Shown} shown `added`: what it would add at each sample, null where it is not weighed
  * @returns {HTMLElement}
@@ -34,8 +46,7 @@ export function acting(effect, { data, at, added }) {
     const colours = Object.fromEntries(Object.entries(named).map(([name, style]) => [name, styleValue(style, canvas)]));
     drawSection(canvas, effect, motion, now, /** @type {import("./section.js").Look} */ (colours));
     const scale = torqueScale(data);
-    const torque = motion.added ? `adds ${number(motion.added[now] * scale.factor)} ${scale.unit}` : "what it adds is not weighed here";
-    words.textContent = `${number(t[now], 4)} s: ${torque}`;
+    words.textContent = momentWords(t[now], motion.added ? motion.added[now] : null, scale);
   };
   const frame = (/** @type {number} */ clock) => {
     if (!playing || !canvas.isConnected || !canvas.closest("dialog[open]")) return run(false);

@@ -202,6 +202,7 @@ class App {
     try {
       const answer = await post(verb, body);
       this.say("");
+      if (verb === "search") shown(byId("verdict")); // what was found is said there, however far down it was asked for
       // While the state is on its way; of what was read just now no page knows the captures yet.
       if (answer.node && this.state?.node && deed !== "data") this.expect(answer.node, capturesOf(answer.node, this.state));
       if (answer.revision !== undefined) this.refresh(answer.revision);

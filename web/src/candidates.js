@@ -11,6 +11,8 @@ import { apartButton, boundsButton } from "./untold.js";
 /** @typedef {import("./types.js").State} State */
 
 const NOTHING = "No effect that was weighed explains enough of what is left.";
+/** Of who goes step by step, for the one path may end elsewhere than the other. */
+const ALONE = "Weighed one at a time; Find everything weighs sets too, from the first model on, and may end elsewhere.";
 
 export class Candidates {
   /**
@@ -27,6 +29,7 @@ export class Candidates {
     this.shown = "";
     this.at = 0;
     this.inside = false; // whether the keys were here when the list went away
+    this.several = false; // whether they were weighed on more than one capture
     /** @type {HTMLElement[]} */
     this.items = [];
     /** @type {Candidate[]} */
@@ -36,9 +39,9 @@ export class Candidates {
     new ResizeObserver(() => fitFormulas(place)).observe(place);
   }
 
-  /** @param {Pick<State, "candidates" | "concluded" | "node" | "job">} state @param {import("./said.js").About} about */
-  show({ candidates, concluded, node, job }, about) {
-    const shown = JSON.stringify([candidates, concluded, node, job?.id, about]);
+  /** @param {Pick<State, "candidates" | "concluded" | "node" | "job" | "searched" | "active">} state @param {import("./said.js").About} about */
+  show({ candidates, concluded, node, job, searched, active }, about) {
+    const shown = JSON.stringify([candidates, concluded, node, job?.id, searched, active.length, about]);
     if (shown === this.shown) return;
     this.shown = shown;
     this.inside ||= this.place.contains(document.activeElement);
@@ -47,6 +50,7 @@ export class Candidates {
     const rest = candidates.rows.filter((row) => !row.could_be);
     const ruledOut = rest.filter((row) => row.word === "implausible");
     this.rows = [...could, ...ruledOut, ...rest.filter((row) => row.word !== "implausible")];
+    this.several = active.length > 1;
     this.items = this.rows.map((row, at) => this.item(row, at, about));
     const [out, others] = [this.items.slice(could.length, could.length + ruledOut.length), this.items.slice(could.length + ruledOut.length)];
     const ask = make("button", {
@@ -55,13 +59,14 @@ export class Candidates {
     });
     this.place.replaceChildren(
       ...(candidates.ready ? [] : [make("p", { class: "soft" }, job ? `${sentence(job.what, about)} …` : ask)]),
+      candidates.ready && !searched && this.items.length > 0 ? make("p", { class: "soft alone", text: ALONE }) : "",
       ...(candidates.ready && this.items.length === 0
         ? [make("p", { class: "well", text: "Nothing is left to be weighed." })]
         : []),
       candidates.ready && could.length === 0 && this.items.length > 0 ? make("p", { class: "soft", text: NOTHING }) : "",
       make("ul", { "aria-label": "candidates", class: "candidates" }, ...this.items.slice(0, could.length)),
       out.length > 0 ? folded(out, `${out.length} ruled out by values that none can have: ${ruledOut.map(outWords).join(", ")}`) : "",
-      others.length > 0 ? folded(others, `${others.length} more: no better than chance, or too little to matter`) : "",
+      others.length > 0 ? folded(others, `${restWords(others.length, this.items.length)}: no better than chance, or too little to matter`) : "",
       ...(concluded.length > 0 ? [] : remainder(candidates.unexplained, about)), // where it stands first already
     );
     fitFormulas(this.place);
@@ -118,7 +123,7 @@ export class Candidates {
     const { apart, bounds } = this.deeds;
     const [all, title] = [[effect, ...equivalent], titleOf(effect)];
     const buttons = apart && bounds ? [apartButton(all, apart, title), " ", boundsButton(all, bounds, title)] : [];
-    return make("span", { class: "alike soft" }, "this capture cannot tell it from ", ...listed(equivalent, ", "), " ", ...buttons);
+    return make("span", { class: "alike soft" }, `${this.several ? "these captures" : "this capture"} cannot tell it from `, ...listed(equivalent, ", "), " ", ...buttons);
   }
 
   /** Go to an effect. @param {string} effect */
@@ -165,6 +170,11 @@ export class Candidates {
  */
 function folded(items, words) {
   return make("details", {}, make("summary", { class: "soft", text: words }), make("ul", { class: "candidates" }, ...items));
+}
+
+/** How those are counted that come after others, or are all that there are. @param {number} rest @param {number} all */
+export function restWords(rest, all) {
+  return rest < all ? `${rest} more` : `${rest} weighed`;
 }
 
 /** @param {Candidate} row */

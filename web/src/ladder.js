@@ -2,7 +2,7 @@
 
 import { make } from "./dom.js";
 import { changeOf } from "./names.js";
-import { number, torqueScale } from "./numbers.js";
+import { figure, torqueScale } from "./numbers.js";
 
 /** @typedef {import("./types.js").State} State */
 
@@ -24,7 +24,7 @@ export function showLadder(place, state) {
   const floor = state.noise_floor;
   const widest = Math.max(...errors.map((error) => error ?? 0), ...steps.map((step) => step.noise_floor ?? 0)) * 1.02;
   const scale = torqueScale(state);
-  const shown = (/** @type {number | null} */ value) => number(value === null ? null : value * scale.factor);
+  const shown = (/** @type {number | null} */ value) => figure(value === null ? null : value * scale.factor);
 
   const lines = steps.map(({ added, dropped, rmse, rmse_heldout, noise_floor }, at) => {
     const now = at === here;

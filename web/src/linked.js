@@ -342,7 +342,7 @@ export class Linked {
     if (!chosen || !data || !share) return this.told(null);
     const part = percent(chosen.length / data.columns.t.length);
     const scale = torqueScale(data);
-    const rms = (/** @type {number} */ value) => `RMS ${number(value * scale.factor)} ${scale.unit}`;
+    const rms = (/** @type {number} */ value) => `RMS\u00a0${number(value * scale.factor)}\u00a0${scale.unit}`;
     const count = `${thousands(chosen.length)} ${chosen.length === 1 ? "sample" : "samples"} chosen, ${part} of all`;
     if (share.counted === 0 && chosen.length > 0) return this.told(`${count}: nothing is fitted to them`);
     const own = chosen.length > 0 ? ` (${rms(share.rms)})` : "";

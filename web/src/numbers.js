@@ -12,6 +12,16 @@ export function number(value, digits = 3) {
   return text.replaceAll("-", "−");
 }
 
+/**
+ * The same in a column of figures, where each has as many digits as the others: 0.110 below 0.101.
+ * @param {number | null} value
+ * @param {number} [digits]
+ */
+export function figure(value, digits = 3) {
+  const size = Math.abs(Number((value ?? NaN).toPrecision(digits)));
+  return value !== null && size >= 1e-3 && size < 10 ** digits ? value.toPrecision(digits).replaceAll("-", "−") : number(value, digits);
+}
+
 /** @param {number} value @param {number} digits */
 function plain(value, digits) {
   return String(Number(value.toPrecision(digits)));

@@ -128,9 +128,15 @@ export function apart({ name, unit, value }) {
   return `: ${number(1 / value, 4)} a turn, ${number(360 * value, 4)}° apart`;
 }
 
-/** A sentence without the parameter that it begins with, below which it stands. @param {import("./said.js").Part[]} said @param {string} name */
-function withoutName([first, ...rest], name) {
-  return typeof first === "object" && "param" in first && first.param === name ? rest : [first, ...rest];
+/**
+ * A sentence without the parameter that it begins with, below which it stands; one that goes on to another needs both.
+ * @param {import("./said.js").Part[]} said
+ * @param {string} name
+ */
+export function withoutName([first, ...rest], name) {
+  const own = typeof first === "object" && "param" in first && first.param === name;
+  const beside = typeof rest[0] === "string" && /^( and |, )/.test(rest[0]);
+  return own && !beside ? rest : [first, ...rest];
 }
 
 /**

@@ -78,14 +78,19 @@ export function adviceOf({ advice, way }) {
 function measured({ value, unit, text }, about) {
   const scale = scaleOf(unit, about);
   const shown = scale.factor === 1 ? text.replaceAll("-", "−") : number(value * scale.factor);
-  return `${shown}\u00a0${unitWords(scale.unit)}`;
+  return `${shown}\u00a0${unbroken(scale.unit)}`;
 }
 
 /** @param {Stretch} part @param {About} about */
 function stretch({ low, high, unit, direction }, about) {
   const scale = scaleOf(unit, about);
   const [from, to] = [low, high].map((end) => number(end * scale.factor, 4));
-  return `${from} to ${to} ${unitWords(scale.unit)}${DIRECTIONS.get(direction) ?? ""}`;
+  return `${from} to ${to}\u00a0${unbroken(scale.unit)}${DIRECTIONS.get(direction) ?? ""}`;
+}
+
+/** A unit that no end of a line parts: N m. @param {string} unit */
+function unbroken(unit) {
+  return unitWords(unit).replaceAll(" ", "\u00a0");
 }
 
 /** What a column of a capture is called. @param {string} column @param {About} about */

@@ -42,7 +42,7 @@ export class Within {
     this.wanted = {};
     for (const { name, value, validity } of this.fields) {
       if (validity.badInput) this.wanted[name] = "no number"; // the program says what is wrong with it
-      else if (value.trim() !== "" && Number(value) !== rounded(this.reached[name])) this.wanted[name] = Number(value);
+      else if (value.trim() !== "" && Number(value) !== shownLimit(name, this.reached[name], this.reached)) this.wanted[name] = Number(value);
     }
     this.shown = ""; // so that what is empty is filled again
   }
@@ -68,7 +68,7 @@ export class Within {
     const words = limitWords(about);
     for (const field of this.fields) {
       const value = this.all[field.name];
-      field.value = value === undefined ? "" : String(rounded(value));
+      field.value = value === undefined ? "" : String(shownLimit(field.name, value, this.reached));
       if (field.name in words && field.previousElementSibling) field.previousElementSibling.textContent = words[field.name];
     }
     const own = Object.keys(this.wanted).length;
@@ -81,7 +81,8 @@ export class Within {
    */
   adopt(limits) {
     if (Object.keys(this.wanted).length > 0) return;
-    const other = Object.entries(limits).filter(([name, value]) => rounded(value) !== rounded(this.reached[name] ?? value));
+    const shown = (/** @type {string} */ name, /** @type {number} */ value) => shownLimit(name, value, this.reached);
+    const other = Object.entries(limits).filter(([name, value]) => shown(name, value) !== shown(name, this.reached[name] ?? value));
     this.wanted = Object.fromEntries(other);
   }
 
@@ -97,9 +98,17 @@ export class Within {
   }
 }
 
-/** @param {number} value */
-function rounded(value) {
-  return Number(value.toPrecision(DIGITS));
+/**
+ * A limit as its field has it. An end of a range has the decimals of the range: 22 micrometres off zero, of a way of
+ * 0.25 m, are no place.
+ * @param {string} name
+ * @param {number} value
+ * @param {Record<string, number>} reached
+ */
+export function shownLimit(name, value, { theta_min_rad: low, theta_max_rad: high }) {
+  if (!name.startsWith("theta_") || !(high > low)) return Number(value.toPrecision(DIGITS));
+  const decimals = DIGITS - 1 - Math.floor(Math.log10(high - low));
+  return Number(value.toFixed(Math.min(20, Math.max(0, decimals)))) + 0; // of a −0 that is 0
 }
 
 /**

@@ -11,19 +11,19 @@ const SLIDE = /** @type {const} */ ({ unit: "N", peak: 40, coordinate: "linear" 
 test("a number of a sentence is in the unit of the plots, and has a true minus", () => {
   const error = { value: 0.001621, unit: "N m", text: "0.001621" };
   assert.equal(sentence(["RMS error ", error], KNOB), "RMS error 1.62\u00a0mNm");
-  assert.equal(sentence([error], { ...KNOB, peak: 5 }), "0.001621\u00a0N m");
+  assert.equal(sentence([error], { ...KNOB, peak: 5 }), "0.001621\u00a0N\u00a0m");
   assert.equal(sentence([{ value: -3, unit: "rad/s^2", text: "-3" }], KNOB), "−3\u00a0rad/s²");
   assert.equal(sentence([{ value: 59, unit: "%", text: "59.0" }], KNOB), "59.0\u00a0%");
 });
 
 test("a stretch of an axis is in words, along the load in the unit of the torques", () => {
   const place = /** @type {const} */ ({ axis: "position", low: -0.9667, high: -0.9, unit: "rad", direction: 1 });
-  assert.equal(sentence(["worst at ", place, "."], KNOB), "worst at −0.9667 to −0.9 rad forward.");
-  assert.equal(sentence([{ ...place, axis: "load", unit: "N m", low: 0.001, high: 0.002, direction: 0 }], KNOB), "1 to 2 mNm");
+  assert.equal(sentence(["worst at ", place, "."], KNOB), "worst at −0.9667 to −0.9\u00a0rad forward.");
+  assert.equal(sentence([{ ...place, axis: "load", unit: "N m", low: 0.001, high: 0.002, direction: 0 }], KNOB), "1 to 2\u00a0mNm");
   assert.equal(sentence([{ along: "history" }], KNOB), "distance since reversal");
   const drag = /** @type {const} */ ({ value: 0.00123, unit: "N m s/rad", text: "0.00123" });
-  assert.equal(sentence([drag], KNOB), "1.23\u00a0mNm s/rad");
-  assert.equal(sentence([{ ...drag, unit: "N m s^2/rad" }], KNOB), "0.00123\u00a0kg m²");
+  assert.equal(sentence([drag], KNOB), "1.23\u00a0mNm\u00a0s/rad");
+  assert.equal(sentence([{ ...drag, unit: "N m s^2/rad" }], KNOB), "0.00123\u00a0kg\u00a0m²");
 });
 
 test("what is said is of the captures that are shown, whatever else is open", () => {

@@ -4,9 +4,11 @@ import { test } from "node:test";
 import { limits } from "../src/axes.js";
 import { enoughWords, limitWords, ofLimits } from "../src/evidence.js";
 import { latest } from "../src/latest.js";
-import { apart, plusMinus } from "../src/params.js";
-import { wider } from "../src/within.js";
-import { number, percent, thousands, ticks, torqueScale, torqueWord } from "../src/numbers.js";
+import { momentWords } from "../src/acting.js";
+import { restWords } from "../src/candidates.js";
+import { apart, plusMinus, withoutName } from "../src/params.js";
+import { shownLimit, wider } from "../src/within.js";
+import { figure, number, percent, thousands, ticks, torqueScale, torqueWord } from "../src/numbers.js";
 
 test("numbers have a true minus and as many digits as they need", () => {
   assert.equal(number(-0.00012345), "−1.23e−4");
@@ -16,6 +18,30 @@ test("numbers have a true minus and as many digits as they need", () => {
   assert.equal(percent(0.046), "4.6\u00a0%");
   assert.equal(percent(-0.5), "−50\u00a0%");
   assert.deepEqual([0, 999, 1000, 250_000, 1_234_567].map(thousands), ["0", "999", "1,000", "250,000", "1,234,567"]);
+});
+
+test("figures of a column have as many digits as each other", () => {
+  assert.deepEqual([0.11, 0.101, -1.2, 9.996, 999.7, 0.0012].map((value) => figure(value)), ["0.110", "0.101", "−1.20", "10.0", "1000", "0.00120"]);
+  assert.deepEqual([null, NaN, 0, 1e-5, 4321].map((value) => figure(value)), ["–", "–", "0", "1.00e−5", "4320"]);
+});
+
+test("a doubt that is of two parameters names both, one of its own does not repeat its name", () => {
+  const own = { param: "viscous.neg" };
+  assert.deepEqual(withoutName([own, " is negative"], "viscous.neg"), [" is negative"]);
+  for (const beside of [[own, " and ", { param: "viscous.pos" }, " hold it"], [own, ", both"], [{ param: "viscous.pos" }, " is"]]) {
+    assert.deepEqual(withoutName(beside, "viscous.neg"), beside);
+  }
+});
+
+test("at a moment to which nothing is fitted an effect adds nothing that is known", () => {
+  const scale = { factor: 1000, unit: "mNm" };
+  assert.equal(momentWords(Math.fround(0.0002), 0.0012, scale), "0.0002 s: adds 1.2 mNm");
+  assert.equal(momentWords(0, NaN, scale), "0 s: nothing is fitted to this moment");
+  assert.equal(momentWords(12.34567, null, scale), "12.35 s: what it adds is not weighed here");
+});
+
+test("what comes after nothing is not counted as more", () => {
+  assert.deepEqual([restWords(3, 5), restWords(3, 3)], ["3 more", "3 weighed"]);
 });
 
 test("ticks are round and inside the limits", () => {
@@ -48,6 +74,16 @@ test("a wider limit is offered in words, a range by both of its ends", () => {
   assert.deepEqual(wider({ limit: "theta_max_rad", to: 2.5 }, within), { theta_min_rad: 0.5, theta_max_rad: 2.5 });
   assert.equal(enoughWords(wider({ limit: "theta_max_rad", to: 2.5 }, within), about), "angle from 0.5 to 2.5 rad");
   assert.equal(enoughWords({ duration_s: 20 }, about), "at most 20 s");
+});
+
+test("an end of a range has no more decimals than the range", () => {
+  const slide = { theta_min_rad: -2.1971e-5, theta_max_rad: 0.24638 };
+  const shown = Object.entries(slide).map(([name, value]) => shownLimit(name, value, slide));
+  assert.deepEqual(shown, [0, 0.2464]);
+  assert.ok(Object.is(shown[0], 0), "and no minus before nothing");
+  assert.equal(shownLimit("omega_rad_s", 0.0123456, slide), 0.01235);
+  assert.equal(shownLimit("theta_max_rad", 1234.56, { theta_min_rad: 0, theta_max_rad: 1234.56 }), 1235);
+  assert.equal(shownLimit("theta_min_rad", 0.012345, { theta_min_rad: NaN, theta_max_rad: NaN }), 0.01235);
 });
 
 test("a period says how often it returns", () => {

@@ -309,7 +309,9 @@ def _once_a_turn(effect: str, fit: Fit) -> list[Said]:
     times = 1.0 / abs(period)
     if times > _ONCE:
         return []
-    return [said(f"it returns {times:.2g} times a turn, as an unbalance does and no detents do")]
+    often = f"{times:.2g} times"
+    often = "once" if often == "1 times" else often
+    return [said(f"it returns {often} a turn, as an unbalance does and no detents do")]
 
 
 def per_speed(fit: Fit) -> str:

@@ -115,15 +115,17 @@ class LearningResult(showing.Tabled):
         """What was weighed on the last step and not added, with what the search had no need to fit."""
         return self.weighed if self.weighed.whole else diagnose(self.weighed.fit, without=self.without)
 
-    @property
+    @cached_property
     def first_diagnosis(self) -> Diagnosis:
-        """What was weighed on the first step."""
-        return first_weighed(self.ladder) or self.last
+        """What was weighed on the first step, or is now: of a session that goes on nobody knows it."""
+        known = first_weighed(self.ladder) or (self.last if len(self.ladder) == 1 else None)
+        return known or diagnose(self.ladder[0].fit, without=self.without)
 
     @property
     def before(self) -> Comparison:
         """Where the first model fails."""
-        return (first_weighed(self.ladder) or self.weighed).comparison
+        known = first_weighed(self.ladder) or (self.weighed if len(self.ladder) == 1 else None)
+        return (known or self.ladder[0]).fit.compare()
 
     @property
     def after(self) -> Comparison:

@@ -218,7 +218,7 @@ def _evidence(step: LearningStep, kind: str) -> str:
         said += f" Chance alone would do as well in {_chances(step.p_value)}."
     if step.dropped:
         said += f" It made superfluous: {', '.join(effect_word(one, kind) for one in step.dropped)}."
-    return said
+    return _MINUS.sub("−", said)
 
 
 def _chances(p_value: float) -> str:

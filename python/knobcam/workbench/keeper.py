@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from ..base import pages
 from ..base.reading import digest
 from ..errors import InputError
-from . import journal, kept
+from . import ended, journal, kept
 from .journal import Journal
 
 if TYPE_CHECKING:
@@ -104,6 +104,7 @@ class Keeper:
                     self._journal = old
                     self._written = {*told.captures, *told.nodes}
                     self._written |= {_id_of({"design": one}) for one in told.designs.values()}
+                    self._written |= {_id_of({"searched": one}) for one in told.searched.values()}
                     return
                 # What is left out here stays there, for whoever puts a file back.
                 self._safely(lambda: self._hand_on(found, old))
@@ -161,6 +162,7 @@ class Keeper:
         new += [kept.of_node(*one) for name, one in kept.nodes(session).items() if name not in known]
         there = kept.nodes(session)
         every = [kept.of_design(one) for one in session.designs.values() if one.node in there]
+        every += [ended.of_search(*one) for one in session.searched.items() if one[0] in there]
         new += [one for one in every if _id_of(one) not in known]
         return [*new, kept.of_place(session)]
 
@@ -183,6 +185,8 @@ class Keeper:
 def _id_of(record: Record) -> str:
     if (design := record.get("design")) is not None:
         return f"{design['id']} {design['capture']}"  # what came of it makes another line
+    if (searched := record.get("searched")) is not None:
+        return f"{searched['node']} searched"
     return str((record.get("capture") or record.get("node") or {"id": ""})["id"])
 
 

@@ -347,7 +347,7 @@ class Session:
                 )
             self.start, self.captures, self.branches = found.start, found.captures, found.branches
             self.branch_id, self.looked = found.branch_id, found.looked
-            self.hints, self.guessed = found.hints, found.guessed
+            self.hints, self.guessed, self.searched = found.hints, found.guessed, found.searched
             self.made = max(self.made, found.made)
             self.nodes, self.designs = dict(found.nodes), dict(found.designs)
             self._views = {one.dragged.id: one.dragged for one in found.branches.values() if one.dragged}

@@ -135,7 +135,8 @@ def _standing(effect: Effect, model: Model) -> Picture:
 
 def _title(effect: Effect, values: dict[str, float]) -> str:
     units = {f"{effect.id}.{one.name}": unit_word(one.unit) for one in effect.params}
-    given = [(name.split(".", 1)[1], value, units.get(name, "")) for name, value in values.items()]
+    # What is zero, as waves of a series that this knob has not, says nothing of it.
+    given = [(name.split(".", 1)[1], value, units.get(name, "")) for name, value in values.items() if value]
     short = ", ".join(f"{own} = {number(value)} {unit}".rstrip() for own, value, unit in given)
     lines = [f"{effect.title}: {effect.name}", f"shows {effect.shows}"]
     if effect.confused:

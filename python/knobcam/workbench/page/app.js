@@ -130,6 +130,10 @@ function number(value, digits = 3) {
   const text = size !== 0 && (size < 1e-3 || size >= 1e5) ? value.toExponential(digits - 1) : plain(value, digits);
   return text.replaceAll("-", "−");
 }
+function figure(value, digits = 3) {
+  const size = Math.abs(Number((value ?? NaN).toPrecision(digits)));
+  return value !== null && size >= 1e-3 && size < 10 ** digits ? value.toPrecision(digits).replaceAll("-", "−") : number(value, digits);
+}
 function plain(value, digits) {
   return String(Number(value.toPrecision(digits)));
 }
@@ -623,12 +627,15 @@ function adviceOf({ advice, way }) {
 function measured({ value, unit, text }, about2) {
   const scale = scaleOf(unit, about2);
   const shown2 = scale.factor === 1 ? text.replaceAll("-", "−") : number(value * scale.factor);
-  return `${shown2} ${unitWords(scale.unit)}`;
+  return `${shown2} ${unbroken(scale.unit)}`;
 }
 function stretch({ low, high, unit, direction }, about2) {
   const scale = scaleOf(unit, about2);
   const [from, to] = [low, high].map((end) => number(end * scale.factor, 4));
-  return `${from} to ${to} ${unitWords(scale.unit)}${DIRECTIONS.get(direction) ?? ""}`;
+  return `${from} to ${to} ${unbroken(scale.unit)}${DIRECTIONS.get(direction) ?? ""}`;
+}
+function unbroken(unit) {
+  return unitWords(unit).replaceAll(" ", " ");
 }
 function columnWord(column, about2) {
   const { theta, omega, alpha } = motionWords(about2);
@@ -1083,6 +1090,7 @@ function showUntold(place4, { untold }, apart2) {
 
 // src/candidates.js
 var NOTHING = "No effect that was weighed explains enough of what is left.";
+var ALONE = "Weighed one at a time; Find everything weighs sets too, from the first model on, and may end elsewhere.";
 var Candidates = class {
   /**
    * @param {HTMLElement} place
@@ -1098,15 +1106,16 @@ var Candidates = class {
     this.shown = "";
     this.at = 0;
     this.inside = false;
+    this.several = false;
     this.items = [];
     this.rows = [];
     place4.tabIndex = -1;
     place4.addEventListener("keydown", (event) => this.key(event));
     new ResizeObserver(() => fitFormulas(place4)).observe(place4);
   }
-  /** @param {Pick<State, "candidates" | "concluded" | "node" | "job">} state @param {import("./said.js").About} about */
-  show({ candidates, concluded, node, job }, about2) {
-    const shown2 = JSON.stringify([candidates, concluded, node, job?.id, about2]);
+  /** @param {Pick<State, "candidates" | "concluded" | "node" | "job" | "searched" | "active">} state @param {import("./said.js").About} about */
+  show({ candidates, concluded, node, job, searched, active }, about2) {
+    const shown2 = JSON.stringify([candidates, concluded, node, job?.id, searched, active.length, about2]);
     if (shown2 === this.shown) return;
     this.shown = shown2;
     this.inside ||= this.place.contains(document.activeElement);
@@ -1115,6 +1124,7 @@ var Candidates = class {
     const rest = candidates.rows.filter((row) => !row.could_be);
     const ruledOut = rest.filter((row) => row.word === "implausible");
     this.rows = [...could, ...ruledOut, ...rest.filter((row) => row.word !== "implausible")];
+    this.several = active.length > 1;
     this.items = this.rows.map((row, at) => this.item(row, at, about2));
     const [out, others] = [this.items.slice(could.length, could.length + ruledOut.length), this.items.slice(could.length + ruledOut.length)];
     const ask2 = make("button", {
@@ -1123,11 +1133,12 @@ var Candidates = class {
     });
     this.place.replaceChildren(
       ...candidates.ready ? [] : [make("p", { class: "soft" }, job ? `${sentence(job.what, about2)} …` : ask2)],
+      candidates.ready && !searched && this.items.length > 0 ? make("p", { class: "soft alone", text: ALONE }) : "",
       ...candidates.ready && this.items.length === 0 ? [make("p", { class: "well", text: "Nothing is left to be weighed." })] : [],
       candidates.ready && could.length === 0 && this.items.length > 0 ? make("p", { class: "soft", text: NOTHING }) : "",
       make("ul", { "aria-label": "candidates", class: "candidates" }, ...this.items.slice(0, could.length)),
       out.length > 0 ? folded2(out, `${out.length} ruled out by values that none can have: ${ruledOut.map(outWords).join(", ")}`) : "",
-      others.length > 0 ? folded2(others, `${others.length} more: no better than chance, or too little to matter`) : "",
+      others.length > 0 ? folded2(others, `${restWords(others.length, this.items.length)}: no better than chance, or too little to matter`) : "",
       ...concluded.length > 0 ? [] : remainder(candidates.unexplained, about2)
       // where it stands first already
     );
@@ -1182,7 +1193,7 @@ var Candidates = class {
     const { apart: apart2, bounds } = this.deeds;
     const [all, title] = [[effect, ...equivalent], titleOf(effect)];
     const buttons = apart2 && bounds ? [apartButton(all, apart2, title), " ", boundsButton(all, bounds, title)] : [];
-    return make("span", { class: "alike soft" }, "this capture cannot tell it from ", ...listed(equivalent, ", "), " ", ...buttons);
+    return make("span", { class: "alike soft" }, `${this.several ? "these captures" : "this capture"} cannot tell it from `, ...listed(equivalent, ", "), " ", ...buttons);
   }
   /** Go to an effect. @param {string} effect */
   go(effect) {
@@ -1223,6 +1234,9 @@ var Candidates = class {
 };
 function folded2(items, words4) {
   return make("details", {}, make("summary", { class: "soft", text: words4 }), make("ul", { class: "candidates" }, ...items));
+}
+function restWords(rest, all) {
+  return rest < all ? `${rest} more` : `${rest} weighed`;
 }
 function outWords({ effect, error_fall: fall }) {
   return `${titleOf(effect)} (${percent(-Math.max(0, fall))})`;
@@ -1413,6 +1427,11 @@ function mass(brush, { theta }, { ink, shade, colour }) {
 
 // src/acting.js
 var PACE = 0.35;
+function momentWords(seconds2, torque, { factor: factor2, unit }) {
+  const at = `${String(Number(seconds2.toPrecision(4))).replace("-", "−")} s: `;
+  if (torque === null) return `${at}what it adds is not weighed here`;
+  return at + (Number.isFinite(torque) ? `adds ${number(torque * factor2)} ${unit}` : "nothing is fitted to this moment");
+}
 function acting(effect, { data, at, added }) {
   const { t } = data.columns;
   const canvas = make("canvas", { class: "section", role: "img", "aria-label": SEEN2[kindOf(effect)] });
@@ -1439,8 +1458,7 @@ function acting(effect, { data, at, added }) {
       colours
     );
     const scale = torqueScale(data);
-    const torque = motion.added ? `adds ${number(motion.added[now] * scale.factor)} ${scale.unit}` : "what it adds is not weighed here";
-    words4.textContent = `${number(t[now], 4)} s: ${torque}`;
+    words4.textContent = momentWords(t[now], motion.added ? motion.added[now] : null, scale);
   };
   const frame = (clock) => {
     if (!playing || !canvas.isConnected || !canvas.closest("dialog[open]")) return run(false);
@@ -2078,7 +2096,7 @@ function showLadder(place4, state) {
   const floor = state.noise_floor;
   const widest = Math.max(...errors.map((error) => error ?? 0), ...steps.map((step) => step.noise_floor ?? 0)) * 1.02;
   const scale = torqueScale(state);
-  const shown2 = (value) => number(value === null ? null : value * scale.factor);
+  const shown2 = (value) => figure(value === null ? null : value * scale.factor);
   const lines = steps.map(({ added, dropped, rmse, rmse_heldout, noise_floor }, at) => {
     const now = at === here;
     const undone = at > here;
@@ -3502,7 +3520,7 @@ var Linked = class {
     if (!chosen || !data || !share) return this.told(null);
     const part = percent(chosen.length / data.columns.t.length);
     const scale = torqueScale(data);
-    const rms = (value) => `RMS ${number(value * scale.factor)} ${scale.unit}`;
+    const rms = (value) => `RMS ${number(value * scale.factor)} ${scale.unit}`;
     const count = `${thousands(chosen.length)} ${chosen.length === 1 ? "sample" : "samples"} chosen, ${part} of all`;
     if (share.counted === 0 && chosen.length > 0) return this.told(`${count}: nothing is fitted to them`);
     const own = chosen.length > 0 ? ` (${rms(share.rms)})` : "";
@@ -4270,7 +4288,7 @@ var Within = class {
     this.wanted = {};
     for (const { name: name2, value, validity } of this.fields) {
       if (validity.badInput) this.wanted[name2] = "no number";
-      else if (value.trim() !== "" && Number(value) !== rounded(this.reached[name2])) this.wanted[name2] = Number(value);
+      else if (value.trim() !== "" && Number(value) !== shownLimit(name2, this.reached[name2], this.reached)) this.wanted[name2] = Number(value);
     }
     this.shown = "";
   }
@@ -4294,7 +4312,7 @@ var Within = class {
     const words4 = limitWords(about2);
     for (const field3 of this.fields) {
       const value = this.all[field3.name];
-      field3.value = value === void 0 ? "" : String(rounded(value));
+      field3.value = value === void 0 ? "" : String(shownLimit(field3.name, value, this.reached));
       if (field3.name in words4 && field3.previousElementSibling) field3.previousElementSibling.textContent = words4[field3.name];
     }
     const own = Object.keys(this.wanted).length;
@@ -4306,7 +4324,8 @@ var Within = class {
    */
   adopt(limits2) {
     if (Object.keys(this.wanted).length > 0) return;
-    const other = Object.entries(limits2).filter(([name2, value]) => rounded(value) !== rounded(this.reached[name2] ?? value));
+    const shown2 = (name2, value) => shownLimit(name2, value, this.reached);
+    const other = Object.entries(limits2).filter(([name2, value]) => shown2(name2, value) !== shown2(name2, this.reached[name2] ?? value));
     this.wanted = Object.fromEntries(other);
   }
   /**
@@ -4320,8 +4339,10 @@ var Within = class {
     if (enough) byId("next-enough").textContent = `Design with ${enoughWords(wider(enough, this.all), aboutOf(state))}`;
   }
 };
-function rounded(value) {
-  return Number(value.toPrecision(DIGITS));
+function shownLimit(name2, value, { theta_min_rad: low, theta_max_rad: high }) {
+  if (!name2.startsWith("theta_") || !(high > low)) return Number(value.toPrecision(DIGITS));
+  const decimals = DIGITS - 1 - Math.floor(Math.log10(high - low));
+  return Number(value.toFixed(Math.min(20, Math.max(0, decimals)))) + 0;
 }
 function wider({ limit, to }, { theta_min_rad, theta_max_rad }) {
   return limit === "theta_max_rad" ? { theta_min_rad: theta_min_rad + theta_max_rad - to, theta_max_rad: to } : { [limit]: to };
@@ -4812,7 +4833,9 @@ function apart({ name: name2, unit, value }) {
   return `: ${number(1 / value, 4)} a turn, ${number(360 * value, 4)}° apart`;
 }
 function withoutName([first, ...rest], name2) {
-  return typeof first === "object" && "param" in first && first.param === name2 ? rest : [first, ...rest];
+  const own = typeof first === "object" && "param" in first && first.param === name2;
+  const beside2 = typeof rest[0] === "string" && /^( and |, )/.test(rest[0]);
+  return own && !beside2 ? rest : [first, ...rest];
 }
 function sharedDoubts(own, doubts) {
   const letters = own.map(({ name: name2 }) => name2.split(".").slice(1).join("."));
@@ -5269,6 +5292,7 @@ var App = class {
     try {
       const answer = await post(verb, body);
       this.say("");
+      if (verb === "search") shown(byId("verdict"));
       if (answer.node && this.state?.node && deed !== "data") this.expect(answer.node, capturesOf(answer.node, this.state));
       if (answer.revision !== void 0) this.refresh(answer.revision);
       return answer;
