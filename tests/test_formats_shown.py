@@ -45,6 +45,19 @@ def test_a_clock_that_cannot_be_in_seconds_is_not_shown_as_one(tmp_path: Path) -
     assert "t=c0 [ms]" in shown(csv(tmp_path / "run.csv", "", 10.0 * ROWS + 82e3, THETA, TAU))
 
 
+def test_a_clock_that_cannot_be_in_seconds_is_not_taken_for_one_by_a_map_that_says_no_unit(
+    tmp_path: Path,
+) -> None:
+    """Of a log in ms that was mapped as it stood all that came was a verdict."""
+    path = csv(tmp_path / "run.csv", "", 10.0 * ROWS, THETA, TAU)
+    with pytest.raises(
+        InputError, match=r"map: 'c0' has no unit and advances by 10 a row.*t=c0 \[ms\], theta=c1"
+    ):
+        load(path, map="t=c0, theta=c1, tau=c2")
+    assert load(path, map="t=c0 [s], theta=c1, tau=c2").t[-1] == pytest.approx(3990.0)
+    assert load(path, map="t=c0/1000, theta=c1, tau=c2").t[-1] == pytest.approx(3.99)
+
+
 @pytest.mark.parametrize(("unit", "per_s"), [("min", 1 / 60), ("minutes", 1 / 60), ("h", 1 / 3600)])
 def test_minutes_and_hours_are_times(tmp_path: Path, unit: str, per_s: float) -> None:
     """They were refused, with a map without a unit, which takes them for seconds."""

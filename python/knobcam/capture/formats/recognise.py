@@ -96,7 +96,7 @@ def recognise(table: Table, coordinate: Coordinate | None) -> Recognised | None:
             entries["t"] = Entry(f"`{clock}`", None)
             silent.remove(clock)
     silent = [name for name in silent if not _counts_rows(table.columns[name])]
-    doubts |= _clock(table, entries)
+    doubts |= clock_in_doubt(table, entries)
     if len(lacking := [one for one in _NEEDED if one not in entries]) == len(silent) == 1:
         entries[lacking[0]] = Entry(f"`{silent[0]}`", None)
     if doubts and "theta" in entries and entries["theta"].unit == COUNTS:
@@ -187,7 +187,7 @@ def by_content(table: Table) -> dict[str, Entry]:
     clock = clock or next((name for name in names if _is_clock(table.columns[name])), None)
     others = [name for name in names if name != clock and not _counts_rows(table.columns[name])]
     entries = {} if clock is None else {"t": Entry(f"`{clock}`", _label(table, clock).unit)}
-    _clock(table, entries)
+    clock_in_doubt(table, entries)
     if {"x", "F"} <= set(others):
         return entries | {
             name: Entry(f"`{one}`", unit) for name, (one, unit) in _SLIDE.items() if one in others
@@ -274,8 +274,8 @@ def _in_degrees(table: Table, entry: Entry) -> bool:
     return bool(np.any((leaps > 330.0) & (leaps < 361.0))) and float(np.ptp(finite)) < 361.0
 
 
-def _clock(table: Table, entries: dict[str, Entry]) -> dict[str, str]:
-    """Whether a time without a unit can be s, and if not, which unit it is likely to be in."""
+def clock_in_doubt(table: Table, entries: dict[str, Entry]) -> dict[str, str]:
+    """Return why a time without a unit cannot be in s, if so; its entry gets the unit that is likely."""
     entry = entries.get("t")
     values = None if entry is None else table.columns.get(entry.column)
     if entry is None or entry.unit is not None or values is None or values.ndim == 0 or len(values) < 2:
