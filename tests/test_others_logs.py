@@ -291,7 +291,7 @@ def test_the_noise_of_a_torque_that_was_commanded_is_not_what_a_model_leaves() -
 
 
 def test_of_a_torque_that_was_commanded_to_rise_nothing_is_told_that_changes_with_time() -> None:
-    """`torque_drift` "was missing; with it the rest is chance", or the torque had the other sign."""
+    """Of ten runs of a motor six lacked `torque_drift`, "and the rest is chance"; two had the other sign."""
     story = kc.learn(driven(0.0, ramp=0.0167))
     assert story.verdict == "unexplained" and not story.found
     assert "a straight line over time" in story.headline and "rise and fall" in story.headline
