@@ -109,3 +109,11 @@ def test_an_export_that_is_damaged_is_refused_with_the_way_out(
     path.write_bytes(path.read_bytes().replace(change[0].encode(), change[1].encode()))
     with pytest.raises(InputError, match=said):
         kc.load(path)
+
+
+def test_an_export_with_blanks_between_its_cells_is_asked_for_with_others(tmp_path: Path) -> None:
+    """Units and names hold blanks too; titles that do are quoted."""
+    path = exported(tmp_path / "s.csv", AXIS, DRIVE, mark=" ")
+    path.write_text(path.read_text().replace("Starttime of export", '"Starttime of export"'))
+    with pytest.raises(InputError, match="names hold the separator ' '; export it with tabs or semicolons"):
+        kc.load(path)

@@ -23,7 +23,7 @@ _SAME = 1e-6  # of a sample time, by which times differ as text
 
 def separator(head: str) -> str | None:
     """Return what stands between the cells of a scope's export, None of any other text."""
-    lines = head.splitlines()[:_MOST_LINES]
+    lines = head.replace('"', "").splitlines()[:_MOST_LINES]  # between blanks cells are quoted
     titles = (line[len(_TITLE) :] for line in lines if line.startswith(_TITLE))
     return (next(titles, "")[:1] or None) if lines and lines[0].startswith(_NAME) else None
 
@@ -88,9 +88,9 @@ def _block(source: str, lines: TextIO, mark: str) -> dict[str, list[str]]:
         if not line.strip() and len(keys.get(_UNIT, keys.get(_SYMBOL, ()))) > 1:
             # A line may end with a separator that no cell follows.
             width = len(keys[_NAME]) - (keys[_NAME][-1] == "")
-            named = {key: row[:width] for key, row in keys.items()}
-            if all(len(row) == width for key, row in named.items() if key in (_NAME, _SYMBOL, _UNIT)):
-                return named
+            told = [keys[key] for key in (_NAME, _SYMBOL, _UNIT) if key in keys]
+            if all(len(row) >= width and not any(row[width:]) for row in told):
+                return {key: row[:width] for key, row in keys.items()}
             raise InputError(
                 f"{source}: a scope's export in which names hold the separator {mark!r}; export it with "
                 f"tabs or semicolons between columns"
