@@ -122,3 +122,18 @@ def test_the_rows_of_a_clock_that_ticks_more_slowly_are_spread_evenly_unless_the
         name: values[np.arange(N) // 5 * 5] for name, values in recording().columns.items() if name != "t"
     }
     assert (~recording(t=ticks, **same).mask).sum() == pytest.approx(0.8 * N, rel=0.01)
+
+
+def test_a_clock_in_milliseconds_is_told_by_a_velocity_of_a_motion_that_mostly_rests() -> None:
+    """Of a pendulum, its `t` in ms taken for s, `saturation` was missing "and the rest is chance"."""
+    rng = np.random.default_rng(3)
+    t = np.arange(3000) / 100.0
+    omega = 4.0 * np.exp(-10.0 * (t % 5.0 - 2.5) ** 2) * np.where(t // 5.0 % 2.0 == 0.0, 1.0, -1.0)
+    theta = np.cumsum(omega) / 100.0 + 2e-3 * rng.standard_normal(len(t))
+    read = omega + 0.05 * rng.standard_normal(len(t))
+    tau = 0.02 * np.gradient(omega, t) + 0.1 * omega + 0.01 * rng.standard_normal(len(t))
+    found = kc.Capture.from_arrays(t=1e3 * t, theta=theta, omega=read, tau=tau).findings
+    (unit,) = [one for one in found if one.kind == "unit"]
+    assert unit.column == "omega" and "(or t is not in s)" in unit.message
+    right = kc.Capture.from_arrays(t=t, theta=theta, omega=read, tau=tau).findings
+    assert not [one for one in right if one.kind == "unit"]

@@ -45,6 +45,19 @@ def test_a_clock_that_cannot_be_in_seconds_is_not_shown_as_one(tmp_path: Path) -
     assert "t=c0 [ms]" in shown(csv(tmp_path / "run.csv", "", 10.0 * ROWS + 82e3, THETA, TAU))
 
 
+def test_a_clock_that_cannot_be_in_seconds_is_not_taken_for_one_by_a_map_that_says_no_unit(
+    tmp_path: Path,
+) -> None:
+    """Of a log in ms that was mapped as it stood all that came was a verdict."""
+    path = csv(tmp_path / "run.csv", "", 10.0 * ROWS, THETA, TAU)
+    with pytest.raises(
+        InputError, match=r"map: 'c0' has no unit and advances by 10 a row.*t=c0 \[ms\], theta=c1"
+    ):
+        load(path, map="t=c0, theta=c1, tau=c2")
+    assert load(path, map="t=c0 [s], theta=c1, tau=c2").t[-1] == pytest.approx(3990.0)
+    assert load(path, map="t=c0/1000, theta=c1, tau=c2").t[-1] == pytest.approx(3.99)
+
+
 @pytest.mark.parametrize(("unit", "per_s"), [("min", 1 / 60), ("minutes", 1 / 60), ("h", 1 / 3600)])
 def test_minutes_and_hours_are_times(tmp_path: Path, unit: str, per_s: float) -> None:
     """They were refused, with a map without a unit, which takes them for seconds."""
@@ -131,3 +144,35 @@ def test_a_map_of_one_column_leaves_the_others_to_their_names(tmp_path: Path) ->
     two = csv(tmp_path / "two.csv", "time,position,angle,effort", T, THETA, THETA, TAU)
     with pytest.raises(InputError, match=r"map: theta is missing; .*theta=position, tau=effort \[A\]"):
         load(two, map="tau=effort [A]")
+
+
+def test_what_never_changes_is_not_shown_for_what_moves(tmp_path: Path) -> None:
+    """A haptic paddle logs flags, gains and an encoder that is not connected beside the angle that moves."""
+    head = "start_time,log:timestamp,enable angle,encoder_angle [deg],paddle_angle_filt [deg],torque [Nm]"
+    still = np.zeros(400)
+    known = shown(csv(tmp_path / "run.csv", head, still, 7.0 + T, still, still + 0.5, THETA, TAU))
+    assert "theta=`paddle_angle_filt [deg]`" in known and "t=`log:timestamp`" in known
+
+
+def test_a_separator_behind_the_last_column_makes_no_column(tmp_path: Path) -> None:
+    """A drive's monitor writes a tab at the end of each line: a map with an empty torque was shown."""
+    path = tmp_path / "run.txt"
+    rows = [f"{t:.3f}\t{angle:.5f}\t" for t, angle in zip(T, THETA, strict=True)]
+    path.write_text("\n".join(["Time [s]\tMon.angle (deg)\t", *rows, ""]))
+    known = shown(path)
+    assert "tau=COLUMN" in known and "c2" not in known
+    path.write_text("\n".join(rows))
+    assert "c2" not in shown(path)
+
+
+def test_short_words_for_an_angle_and_its_velocity_are_understood(tmp_path: Path) -> None:
+    """Of `baseAng` and `baseAngVel` the command was shown for the angle, a velocity for the torque."""
+    path = tmp_path / "run.mat"
+    scipy.io.savemat(path, {"u": TAU, "baseAng": THETA, "baseAngVel": OMEGA, "other": -TAU, "t": T})
+    assert "theta=baseAng, omega=baseAngVel, tau=COLUMN" in shown(path)
+
+
+def test_arrays_of_another_length_are_no_clock(tmp_path: Path) -> None:
+    path = tmp_path / "run.mat"
+    scipy.io.savemat(path, {"units": np.arange(1.0, 4.0), "force": TAU, "force_times": 1e9 + T})
+    assert "t=force_times" in shown(path)

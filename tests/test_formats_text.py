@@ -227,7 +227,7 @@ def test_a_file_without_times_needs_a_rate(tmp_path: Path) -> None:
 def test_a_capture_says_where_it_came_from(tmp_path: Path) -> None:
     path = tmp_path / "run.csv"
     path.write_text("0,0,0\n1,1,1\n2,0,3\n")
-    meta = load(path, map="t=c0, theta=c1/8192 [turn], tau=0.0551*c2").meta
+    meta = load(path, map="t=c0 [s], theta=c1/8192 [turn], tau=0.0551*c2").meta
     assert meta["source"] == str(path)
     assert meta["format"] == "CSV"
-    assert meta["calibration"] == {"t": "c0", "theta": "c1/8192 [turn]", "tau": "0.0551*c2"}
+    assert meta["calibration"] == {"t": "c0 [s]", "theta": "c1/8192 [turn]", "tau": "0.0551*c2"}

@@ -14,6 +14,7 @@ from ..model.effects import base_effects, base_effects_shown, effects
 from .power import gives_back
 from .refit import cores
 from .rule import RULE
+from .uncounted import ramped
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -62,8 +63,11 @@ def reversed_torque(fit: Fit) -> bool:
 
     An offset or a drift may take friction from one direction to the other, and a spring inertia below zero;
     but over a whole motion no friction gives power back. Beside a spring that is far stronger neither may
-    show in the model without it: there any torque of position is allowed for.
+    show in the model without it: there any torque of position is allowed for. Of a torque that is a line over
+    time a drift takes all, and friction gives back what it has too much.
     """
+    if ramped(fit.prepared):
+        return False
     told = [fit.params[name] for name in _never_negative(fit.model.coordinate) if name in fit.params]
     sure = [estimate for estimate in told if estimate.determined]
     beyond = any(e.ci95[1] < 0.0 for e in sure) and not any(e.ci95[0] > 0.0 for e in sure)

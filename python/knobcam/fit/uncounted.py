@@ -1,4 +1,4 @@
-"""Whether what a motion shows most of is in rows that do not count, as at every start from rest."""
+"""Whether a log tells nothing of what is missing: what it shows does not count, or is of time alone."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 _MOVING = 0.02  # of the fastest: what is slower is at rest
 _HARDLY = 0.02  # of the rows
+_FEWEST = 3  # rows, of which two are on any line
+_STRAIGHT = 1e-3  # of its range, that a torque keeps to a straight line over time: of a motion none does
 _MOST = 0.9  # of the squared torque: a servo that creeps for most of a run has 0.8
 
 
@@ -27,6 +29,32 @@ def at_rest(prepared: Sequence[Prepared]) -> str | None:
     return (
         f"in {known - counted} of {known} rows nobody knows which way it goes, as of what is held or stands "
         "still; record a motion"
+    )
+
+
+def untold(prepared: Sequence[Prepared]) -> str | None:
+    """Return why nothing that is missing can be told of captures, whatever their noise; None where it can."""
+    return uncounted(prepared) or ramped(prepared)
+
+
+def ramped(prepared: Sequence[Prepared]) -> str | None:
+    """Return that the torque is a straight line over time in all captures; None where it is not.
+
+    Then it is no answer to the motion, and whatever changes as time goes on draws it without any knob.
+    """
+    if not prepared:
+        return None
+    for one in prepared:
+        t, tau = one.capture.t[one.rows][one.used], one.capture.tau[one.rows][one.used]
+        if len(t) < _FEWEST:
+            return None
+        line = np.polynomial.Polynomial.fit(t, tau, 1)
+        if np.max(np.abs(tau - line(t))) > _STRAIGHT * np.ptp(tau):
+            return None
+    return (
+        "the torque is a straight line over time, as one that was commanded: whatever changes with time "
+        "draws it, a drift or friction that grows, without any knob; let it rise and fall several times, or "
+        "record one that was measured"
     )
 
 

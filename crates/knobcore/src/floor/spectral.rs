@@ -223,7 +223,7 @@ fn coloured(signals: &Signals, rest: &[f64], window: usize) -> Option<Noise> {
     // Most noise is white, which the raw torque alone tells.
     let raw = Some(steady(&spectra(&signals.tau_raw, window))).filter(|raw| falls(raw))?;
     let level = quieter(steady(&spectra(rest, window)), &raw);
-    let level = Some(level).filter(|level| falls(level))?;
+    let level = Some(level).filter(|level| falls(level) && !plunges(level, window))?;
     // What rings after each of many contacts fills all long stretches, and falls too; but no noise ever pauses.
     let paused = |column: &[f64]| quiet(&spectra(column, SHORT), QUIETEST);
     let raw = paused(&signals.tau_raw);
@@ -236,6 +236,16 @@ fn coloured(signals: &Signals, rest: &[f64], window: usize) -> Option<Noise> {
 /// Whether noise with this level from nought to the Nyquist frequency is louder the slower it is.
 pub(super) fn falls(level: &[f64]) -> bool {
     mean(level, BELOW) > rule().falls * mean(level, BAND)
+}
+
+/// Whether a level falls further than that of any noise.
+///
+/// A random walk, the slowest, is (w / pi k)^2 times as loud in bin k of a window of w rows as at the Nyquist frequency:
+/// in the slowest that is read a quarter of what is allowed. Beside a torque that was commanded, with next to no noise,
+/// what a model leaves is far above.
+fn plunges(level: &[f64], window: usize) -> bool {
+    let loudest = level[TAKEN_OFF..].iter().copied().fold(0.0, f64::max);
+    loudest > (window as f64 / PI).powi(2) * mean(level, BAND)
 }
 
 /// Noise with the level of periodograms of such a window, read of so many samples.

@@ -13,9 +13,9 @@ from .units import COUNTS, spelled_out
 _HEADS: dict[tuple[str, ...], str] = {
     (word,): quantity
     for quantity, words in {
-        "t": "t time timestamp stamp elapsed",
-        "theta": "theta angle angles position positions pos q phi rotation displacement",
-        "omega": "omega velocity velocities vel speed speeds dq qd qdot thetadot",
+        "t": "t time times timestamp stamp elapsed",
+        "theta": "theta angle angles ang position positions pos q phi rotation displacement",
+        "omega": "omega velocity velocities vel velo speed speeds dq qd qdot thetadot",
         "alpha": "alpha acceleration accelerations accel acc ddq qdd qddot thetaddot",
         "tau": "tau torque torques trq tor effort efforts force forces",
         "current": "current currents iq amps",
@@ -28,8 +28,8 @@ _HEADS |= {
     tuple(pair.split()): quantity
     for quantity, pairs in {
         "t": "x value",  # LabVIEW's
-        "omega": "theta dot, q dot, phi dot, pos dot, position dot",
-        "alpha": "theta ddot, q ddot, phi ddot, pos ddot, position ddot",
+        "omega": "theta dot, q dot, phi dot, pos dot, position dot, ang vel, ang velocity, ang speed",
+        "alpha": "theta ddot, q ddot, phi ddot, pos ddot, position ddot, ang acc, ang accel",
         "current": "i q, current q, q current",
         "voltage": "u q, v q, voltage q, q voltage",
         "other": "d current, d voltage, current d, voltage d",

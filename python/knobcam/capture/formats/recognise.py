@@ -88,14 +88,15 @@ def recognise(table: Table, coordinate: Coordinate | None) -> Recognised | None:
         entries = {
             target: Entry(one.expression, one.unit or of_axis[target]) for target, one in entries.items()
         }
-    silent = [name for name in table.columns if name not in labels or labels[name].quantity is None]
+    silent = [one for one in names if one in table.columns and _changes(table, one)]
+    silent = [name for name in silent if name not in labels or labels[name].quantity is None]
     if doubts and "t" not in entries:  # for the map that is shown
         clock = next((name for name in silent if _is_clock(table.columns[name])), None)
         if clock is not None:
             entries["t"] = Entry(f"`{clock}`", None)
             silent.remove(clock)
     silent = [name for name in silent if not _counts_rows(table.columns[name])]
-    doubts |= _clock(table, entries)
+    doubts |= clock_in_doubt(table, entries)
     if len(lacking := [one for one in _NEEDED if one not in entries]) == len(silent) == 1:
         entries[lacking[0]] = Entry(f"`{silent[0]}`", None)
     if doubts and "theta" in entries and entries["theta"].unit == COUNTS:
@@ -133,7 +134,9 @@ def _chosen(table: Table, labels: dict[str, Label]) -> tuple[dict[str, Entry], d
             if target in _NEEDED:
                 doubts[target] = f"{_UNNAMED} is {_NEEDED[target]}"
             continue
-        name = (plain or found)[0]
+        # What stands still is no less in doubt: a joint may be held, and its torque beside another's angle.
+        moving = [name for name in found if _changes(table, name)] or found
+        name = next((one for one in moving if one in plain), moving[0])
         entries[target] = Entry(f"`{name}`", labels[name].unit or _UNIT_ALONE.get(quantity))
         if len(found) > 1 and (target != "t" or len(plain) != 1):  # beside the time there may be a loop's
             doubts[target] = f"{_listed(found)} could each be {target}"
@@ -158,6 +161,15 @@ def _chosen(table: Table, labels: dict[str, Label]) -> tuple[dict[str, Entry], d
     return entries, doubts
 
 
+def _changes(table: Table, name: str) -> bool:
+    """Whether a column has two values at least: a gain, a flag, what is not connected is no motion."""
+    column = table.columns.get(name)
+    if column is None:
+        return True  # of words, of which it is said where they are taken
+    finite = column[np.isfinite(column)]
+    return bool(finite.size) and bool(np.any(finite != finite[0]))
+
+
 def _axis(target: str, unit: str | None) -> Coordinate | None:
     """Return the axis whose unit it is, None where both have it or nobody knows."""
     return to_si(target, unit).coordinate if unit is not None and fits(target, unit) else None
@@ -170,12 +182,12 @@ def by_content(table: Table) -> dict[str, Entry]:
     """
     longest = max((column.size for column in table.columns.values()), default=0)
     names = [name for name, column in table.columns.items() if column.size == longest and longest > 1]
-    names = names[:_MOST_NAMES]
+    names = [name for name in names[:_MOST_NAMES] if _changes(table, name)]
     clock = next((name for name in names if _label(table, name).quantity == "t"), None)
     clock = clock or next((name for name in names if _is_clock(table.columns[name])), None)
     others = [name for name in names if name != clock and not _counts_rows(table.columns[name])]
     entries = {} if clock is None else {"t": Entry(f"`{clock}`", _label(table, clock).unit)}
-    _clock(table, entries)
+    clock_in_doubt(table, entries)
     if {"x", "F"} <= set(others):
         return entries | {
             name: Entry(f"`{one}`", unit) for name, (one, unit) in _SLIDE.items() if one in others
@@ -262,8 +274,8 @@ def _in_degrees(table: Table, entry: Entry) -> bool:
     return bool(np.any((leaps > 330.0) & (leaps < 361.0))) and float(np.ptp(finite)) < 361.0
 
 
-def _clock(table: Table, entries: dict[str, Entry]) -> dict[str, str]:
-    """Whether a time without a unit can be s, and if not, which unit it is likely to be in."""
+def clock_in_doubt(table: Table, entries: dict[str, Entry]) -> dict[str, str]:
+    """Return why a time without a unit cannot be in s, if so; its entry gets the unit that is likely."""
     entry = entries.get("t")
     values = None if entry is None else table.columns.get(entry.column)
     if entry is None or entry.unit is not None or values is None or values.ndim == 0 or len(values) < 2:

@@ -15,7 +15,7 @@ from .columnmap import TARGETS, ColumnMap, Entry, lacking, parse_map
 from .expression import evaluate
 from .header import bracketed, parts_in, read_label, without_brackets
 from .merged import at_one_time
-from .recognise import PLACEHOLDER, Unclear, ask, by_content, recognise
+from .recognise import PLACEHOLDER, Unclear, ask, by_content, clock_in_doubt, recognise
 from .table import Table
 from .units import GIVEN, SI, Coordinate, fits, is_unit, to_si
 
@@ -61,6 +61,9 @@ def resolve(table: Table, column_map: ColumnMap | None, coordinate: Coordinate |
     notes: tuple[Finding, ...] = ()
     if column_map is not None:
         entries, notes = _completed(table, parse_map(column_map), coordinate)
+        # Who copies a name says nothing of its unit; who means s writes [s].
+        if doubts := clock_in_doubt(table, entries):
+            raise ask(table, f"map: {doubts['t']}", entries)
     elif (found := _by_contract(table, coordinate)) is not None:
         entries, coordinate = found
     else:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -71,6 +72,14 @@ def check_width(source: str, count: int) -> None:
     """Refuse more columns than a log has."""
     if count > MOST_COLUMNS:
         raise InputError(f"{source}: has {count} columns or more, the most is {MOST_COLUMNS}; leave some out")
+
+
+def called(cells: list[str]) -> list[str]:
+    """Return what columns are called: of several of one name each by its place too, so that none is meant."""
+    names = [cell or f"c{index}" for index, cell in enumerate(cells)]
+    while (often := Counter(names)).most_common(1)[0][1] > 1:
+        names = [f"{name} #{place}" if often[name] > 1 else name for place, name in enumerate(names, 1)]
+    return names
 
 
 def add_array(columns: dict[str, FloatArray], broken: dict[str, str], name: str, array: NDArray[Any]) -> None:

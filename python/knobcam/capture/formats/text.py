@@ -7,7 +7,6 @@ import io
 import json
 import re
 from array import array
-from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from datetime import UTC, date, datetime
 from itertools import islice
@@ -19,7 +18,8 @@ from ...base.arrays import FloatArray
 from ...errors import InputError
 from .inflate import Budget, peek, survey
 from .loggers import TABS
-from .table import Table, check_width
+from .scope import read_scope, separator
+from .table import Table, called, check_width
 from .units import spelled_out
 
 _DOCUMENT = "# knobcam:"
@@ -57,8 +57,11 @@ def read_text(kind: str, stream: IO[bytes], budget: Budget) -> Table:
         raise InputError(f"{source}: a line of {seen.longest} characters is no row of samples")
     # Loggers write a header with a micro sign in it; digits are safe.
     encoding = "utf-16" if head[:2] in _UTF16 else "utf-8-sig" if seen.utf8 else "latin-1"
+    mark = separator(head.decode(encoding, "replace"))
     lines = io.TextIOWrapper(stream, encoding=encoding)
     try:
+        if mark is not None:
+            return read_scope(lines, seen.lines, mark, budget)
         return _read_lines(kind, lines, seen.lines, budget)
     finally:
         lines.detach()  # whoever opened the stream closes it
@@ -88,8 +91,9 @@ def _read_lines(kind: str, lines: TextIO, count: int, budget: Budget) -> Table:
         raise InputError(f"{source}: a header and no rows; a capture has columns of samples")
     if units:
         cells = [f"{cell} [{unit}]" if unit else cell for cell, unit in zip(cells, units, strict=True)]
-    names = cells if has_header else named or _names_in_comment(comments, delimiter, len(cells))
-    names = _names(names or [""] * len(cells))
+    told = cells if has_header else named or _names_in_comment(comments, delimiter, len(cells))
+    told = told or [""] * len(cells)
+    names = called(told)
     budget.numbers(count * len(names))
 
     def rows() -> Iterable[str]:
@@ -99,7 +103,10 @@ def _read_lines(kind: str, lines: TextIO, count: int, budget: Budget) -> Table:
         return (line.replace(",", ".") for line in lines) if decimal_comma else lines
 
     columns, broken = _numbers(source, names, rows, delimiter)
-    if not has_header and not broken and names == _names([""] * len(names)):
+    # Behind the last column there may be a separator, and nothing.
+    if told[-1] == "" and len(told) > 1 and np.isnan(columns.get(names[-1], np.zeros(1))).all():
+        del columns[names[-1]]
+    if not has_header and not broken and not any(told):
         columns = _upright(columns)
     kind = TABS if kind == "CSV" and delimiter == "\t" and not has_header else kind
     return Table(source, kind, columns, broken, _document(source, comments))
@@ -239,14 +246,6 @@ def _names_in_comment(comments: list[str], delimiter: str | None, width: int) ->
         return None
     names = _cells(written[-1].lstrip("#% \t"), delimiter)
     return names if len(names) == width and all(name.isidentifier() for name in names) else None
-
-
-def _names(cells: list[str]) -> list[str]:
-    """Return what columns are called: of several of one name each by its place too, so that none is meant."""
-    names = [cell or f"c{index}" for index, cell in enumerate(cells)]
-    while (often := Counter(names)).most_common(1)[0][1] > 1:
-        names = [f"{name} #{place}" if often[name] > 1 else name for place, name in enumerate(names, 1)]
-    return names
 
 
 def _numbers(

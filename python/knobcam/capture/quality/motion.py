@@ -18,6 +18,9 @@ MAX_SPREAD = 0.3
 
 _WINDOWS_S = (0.005, 0.02, 0.08, 0.32)  # spans compared: short ones for fast motion, long ones for noise
 _SLOWEST_S = 0.02  # between rows, for those spans
+_FASTER = (
+    4.0  # times the rows of their longest, where a clock is in another unit: the log may be so much faster
+)
 _MIN_WINDOWS = 20
 _ALIKE = 0.5  # correlation over the longest spans, below which a column is no derivative of another
 _MANY = 1000  # samples, of which a sensor's differ
@@ -104,7 +107,8 @@ def ratio(
     apart = False
     # A clock that seems to stand nearly still may be in another unit: the windows are then as many rows.
     slower = max(1.0, usual / _SLOWEST_S)
-    for window in np.multiply(slower, _WINDOWS_S):
+    windows = _WINDOWS_S if slower == 1.0 else (*_WINDOWS_S, _FASTER * _WINDOWS_S[-1])
+    for window in np.multiply(slower, windows):
         span = max(1, round(window / usual))
         start = np.arange(0, len(t) - order * span, max(1, span // 2))
         start = start[holes[start] == holes[start + order * span]]
