@@ -13,6 +13,7 @@ from command import knobcam, refused
 from small import recorded
 
 import knobcam as kc
+from knobcam.errors import InputError
 from knobcam.fleet.sources import sources
 from knobcam.fleet.watch import Watch
 
@@ -92,3 +93,15 @@ def test_a_name_that_is_not_utf_8_is_read_and_written_with_its_bytes_as_escapes(
     assert rows["knob\\udcf6b.npz"]["error"] is None and rows["knob\\udcf6b.npz"]["verdict"] == "complete"
     assert "not\\udcf6.csv" in rows["not\\udcf6.csv"]["error"] and len(done.rows) == 2
     assert kc.batch(tmp_path / "in", tmp_path / "r", learn="none").fresh == 0
+
+
+@pytest.mark.parametrize("command", ["batch", "watch"])
+def test_results_at_an_address_are_refused_and_no_folder_of_its_name_is_made(
+    command: str, mess: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.chdir(tmp_path)
+    before = sorted(tmp_path.iterdir())
+    refused(knobcam(command, mess, "-o", "s3://line/results"), "is an address", "a folder of this machine")
+    with pytest.raises(InputError, match="s3://line/results: is an address"):
+        kc.batch(mess, "s3://line/results")
+    assert sorted(tmp_path.iterdir()) == before
