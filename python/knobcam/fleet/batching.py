@@ -78,7 +78,7 @@ def batch(
         client = cache(lambda: stack.enter_context(cluster.workers(scheduler)))  # when there is work for it
         work.do(client, found, learned=learn == "all")
         if learn == "outliers":
-            fails = (lambda row: bool(checks.failed(row))) if checks else (lambda row: False)
+            fails = checks.beyond if checks else (lambda row: False)
             unlike = outliers(list(store.rows.values()), fails)
             some = [one for one in found if one.name in unlike and not store.rows[one.name]["learned"]]
             work.do(client, some, learned=True)

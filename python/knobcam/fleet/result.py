@@ -15,7 +15,7 @@ from ..base import showing
 from ..base.tables import TextTable, text_table
 from ..base.writing import write
 from . import aqdef
-from .frame import parameters
+from .frame import axis, parameters
 from .judged import judged, mixed
 from .limits import Limits
 from .store import limits_of, read
@@ -57,6 +57,11 @@ class BatchResult(showing.Tabled):
     def failed(self) -> tuple[dict[str, Any], ...]:
         """The rows of captures that were asked for and could not be read or fitted."""
         return tuple(row for row in self.rows if row["capture"] in self.asked and row["error"] is not None)
+
+    @property
+    def drawn(self) -> Limits | None:
+        """The limits, where they are of the axis and the unit that most captures have."""
+        return self.limits if self.limits is not None and self.limits.axis == axis(self.rows) else None
 
     @cached_property
     def study(self) -> Study:
@@ -153,7 +158,8 @@ class BatchResult(showing.Tabled):
         """
         good = [row for row in self.rows if row["error"] is None]
         units = parameters(self.rows)
-        held = {name: self.limits.of(name) if self.limits else None for name in units}
+        limits = self.drawn
+        held = {name: limits.of(name) if limits else None for name in units}
         every = [
             aqdef.Characteristic(
                 name,

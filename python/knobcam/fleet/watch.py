@@ -131,7 +131,7 @@ class Watch:
         """Whether a part asks for a closer look: it has more than chance left, or is beyond a limit."""
         if row["error"] is not None or row["learned"]:
             return False
-        return row["verdict"] is None or (self.limits is not None and bool(self.limits.failed(row)))
+        return row["verdict"] is None or (self.limits is not None and self.limits.beyond(row))
 
     def finish(self) -> BatchResult:
         """Make the table of all rows, as a batch does, and return it."""
