@@ -10,6 +10,7 @@ from small import detents, recorded
 
 import knobcam as kc
 from knobcam.errors import InputError
+from knobcam.fleet import BatchResult
 from knobcam.fleet.judged import judged, mixed
 from knobcam.fleet.limits import Limits
 from knobcam.fleet.noticeable import SHARE, ripple
@@ -161,3 +162,53 @@ def test_folders_say_what_a_capture_belongs_to():
     }
     assert of_path("x/spring/left/a.csv", "spring/left/a.csv") == {"lot": "spring", "station": "left"}
     assert of_path("x/a.csv", "a.csv") == {}
+
+
+@pytest.mark.parametrize(("coordinate", "unit"), [("linear", "N"), ("rotary", "A"), ("linear", "A")])
+def test_a_part_in_another_unit_than_its_limits_is_not_ok_by_it_and_held_by_limits_in_its_own(
+    coordinate: str, unit: str, row: Row, tmp_path: Path
+):
+    other = {**row, "coordinate": coordinate, "unit": unit, "capture": "other"}
+    wide = "[parameters]\ncoulomb.pos = { max = 9 }"
+    held = limits(tmp_path, wide)
+    told = {one["capture"]: one for one in judged([row, other], held)}
+    assert told[row["capture"]]["ok"] is True and told["other"]["ok"] is False
+    assert told["other"]["failed_limits"] == ["unit"] and not told["other"]["cause"]
+    assert (
+        f"it is {coordinate} in {unit}, and the numbers of its limits are rotary in N m"
+        in (told["other"]["failed_why"][0])
+    )
+    assert not held.beyond(other)  # and no search for what is missing makes it another unit
+    if (coordinate, unit) != ("linear", "A"):
+        own = limits(tmp_path, f'unit = "{unit}"\n{wide}')
+        assert failed(own, other) == [] and failed(own, row) == ["unit"]
+    assert failed(limits(tmp_path, '[effects]\nforbidden = "any"'), other) == []
+
+
+def test_what_a_hand_notices_of_a_ripple_is_no_current(tmp_path: Path):
+    text = 'unit = "A"\n[parameters]\ndetent.A = { reference = 1, jnd = 1, period_deg = 28.8 }'
+    with pytest.raises(InputError, match="nobody measured"):
+        limits(tmp_path, text)
+
+
+def test_how_capable_a_process_is_and_where_limits_are_drawn_is_not_said_by_numbers_of_another_unit(
+    row: Row, tmp_path: Path
+):
+    held = limits(tmp_path, "[parameters]\ncoulomb.pos = { min = 0, max = 9 }")
+    for unit, many in (("N m", 1), ("A", 0)):
+        rows = [made(number, "a", row, unit=unit) for number in range(8)]
+        told = BatchResult(tmp_path, tuple(judged(rows, held)), frozenset(), limits=held)
+        assert len(told.study.capability) == many and (told.drawn is not None) == bool(many)
+
+
+def test_the_unit_of_limits_is_one_that_there_is_and_that_of_the_model(tmp_path: Path):
+    wide = "[parameters]\ncoulomb.pos = { max = 9 }"
+    with pytest.raises(InputError, match="unit: is 'lb'; choose N m, N, A, V, duty"):
+        limits(tmp_path, f'unit = "lb"\n{wide}')
+    model = kc.Model.of(["inertia", "coulomb"], "rotary", "A")
+    assert limits(tmp_path, wide, model).axis == ("rotary", "A")
+    with pytest.raises(InputError, match="the model is in A; leave it out"):
+        limits(tmp_path, f'unit = "N m"\n{wide}', model)
+    text = "K0100 1\nK2002/1 coulomb.pos\nK2111/1 9\nK2142/1 {}\n"
+    units = [limits(tmp_path, text.format(unit)).axis[1] for unit in ("A", "N", "N m", "Nm")]
+    assert units == ["A", "N", "N m", "N m"]

@@ -196,3 +196,23 @@ def test_two_that_write_to_one_folder_are_kept_apart(tmp_path: Path):
         other.put(rows[1:])
     one.close()
     other.put(rows[1:])
+
+
+def test_a_batch_that_was_ended_is_reported_with_what_there_is_and_says_that_it_is_not_at_its_end(
+    tmp_path: Path,
+):
+    judged = ("ok", "failed_limits", "failed_why", "outlier", "cause")
+    rows = [
+        {name: value for name, value in row.items() if name not in judged}
+        for row in several(np.random.default_rng(6), 8)
+    ]
+    store = Store.open(tmp_path / "r", Settings())
+    store.put(rows)
+    store.close()
+    ended = knobcam("report", tmp_path / "r")
+    assert ended.code == 0 and "8 captures" in ended.out and "not at its end yet" in ended.out
+    assert "not at its end yet" in (tmp_path / "r.html").read_text("utf-8")
+    store = Store.open(tmp_path / "r", Settings())
+    store.finish(list(BatchResult.read(tmp_path / "r").rows), None)
+    store.close()
+    assert "not at its end yet" not in knobcam("report", tmp_path / "r").out

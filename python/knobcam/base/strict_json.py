@@ -26,9 +26,14 @@ def plain(value: Any) -> Any:
     if isinstance(value, float):  # as most are
         return value if math.isfinite(value) else None
     if isinstance(value, str):
-        return value
+        return readable(value)
     if isinstance(value, list | tuple):
         return [plain(item) for item in value]
     if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
-    return str(value) if isinstance(value, Path) else value
+        return {readable(str(key)): plain(item) for key, item in value.items()}
+    return readable(str(value)) if isinstance(value, Path) else value
+
+
+def readable(text: str) -> str:
+    """Return a text with what is no letter as its escape, as the bytes are of a name that is not UTF-8."""
+    return text if text.isascii() else text.encode("utf-8", "backslashreplace").decode("utf-8")

@@ -8,13 +8,12 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 from typing import Any, Literal, get_args
 
 from ..base.door import checked
 from ..errors import InputError
 from ..model import Model
-from . import cluster
+from . import cluster, places
 from .judged import judged
 from .limits import Limits
 from .outliers import outliers
@@ -62,9 +61,9 @@ def batch(
     """
     if learn not in get_args(Learn):
         raise InputError(f"learn={learn!r}: choose none, outliers or all")
+    folder = places.folder(results)
     asked = Model.load(model) if isinstance(model, str | os.PathLike) else model
     checks = None if limits is None else Limits.load(limits, asked, learned=learn != "none")
-    folder = Path(results)
     given = [captures] if isinstance(captures, str | os.PathLike) else list(captures)
     hints = hinted(folder) if hints is None else hints
     text = None if asked is None else asked.text()
@@ -79,7 +78,7 @@ def batch(
         client = cache(lambda: stack.enter_context(cluster.workers(scheduler)))  # when there is work for it
         work.do(client, found, learned=learn == "all")
         if learn == "outliers":
-            fails = (lambda row: bool(checks.failed(row))) if checks else (lambda row: False)
+            fails = checks.beyond if checks else (lambda row: False)
             unlike = outliers(list(store.rows.values()), fails)
             some = [one for one in found if one.name in unlike and not store.rows[one.name]["learned"]]
             work.do(client, some, learned=True)

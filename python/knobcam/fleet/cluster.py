@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import os
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from typing import Any
 
@@ -54,8 +56,10 @@ def workers(scheduler: str | None) -> Iterator[Any]:
     """Give a client of an existing scheduler, or of one of this process with a worker for each core."""
     distributed = require("distributed", "a batch", "fleet")
     if scheduler is not None:
-        with _quiet(), _client(distributed, scheduler) as client:
-            yield client
+        with _quiet():
+            _greet(distributed, scheduler)
+            with _client(distributed, scheduler) as client:
+                yield client
         return
     with (
         _quiet(),
@@ -116,15 +120,45 @@ def _started(address: str, count: int) -> subprocess.Popen[bytes]:
     )
 
 
+def _greet(distributed: Any, address: str) -> None:
+    """Have a scheduler say that it is one: a client of Dask waits for ever for what else listens there."""
+
+    async def asked() -> Any:
+        about = distributed.Security().get_connection_args("client")
+        comm = await distributed.core.connect(address, timeout=_ANSWERS_S, **about)
+        try:
+            await comm.write({"op": "identity"})
+            return await comm.read()
+        finally:
+            comm.abort()
+
+    def answer() -> Any:
+        return asyncio.run(asyncio.wait_for(asked(), 2.0 * _ANSWERS_S))
+
+    with ThreadPoolExecutor(1) as own:  # whoever calls may have a loop in this thread, as notebooks do
+        try:
+            kind = own.submit(answer).result()["type"]
+        except Exception as error:  # whatever Dask makes of bytes that are not its own
+            raise _unanswered(address, error) from None
+    if kind != "Scheduler":
+        raise InputError(
+            f"--scheduler {address}: a {kind.lower()} answers there; give its scheduler's address"
+        )
+
+
+def _unanswered(address: str, error: Exception) -> InputError:
+    return InputError(
+        f"--scheduler {address}: no scheduler answers there ({type(error).__name__}); "
+        "start one with: dask scheduler"
+    )
+
+
 @contextmanager
 def _client(distributed: Any, address: str) -> Iterator[Any]:
     try:
         client = distributed.Client(address, timeout=_ANSWERS_S, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
-        raise InputError(
-            f"--scheduler {address}: no scheduler answers there ({type(error).__name__}); "
-            "start one with: dask scheduler"
-        ) from None
+        raise _unanswered(address, error) from None
     _unheard(client.loop)
     try:
         _wait(client, address)

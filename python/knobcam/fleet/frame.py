@@ -18,8 +18,7 @@ def frame(rows: Sequence[Row]) -> Any:
     """
     pandas = require("pandas", "statistics of lots", "fleet")
     some = [row for row in rows if row["error"] is None and "duplicate" not in row["findings"]]
-    kinds = Counter((row["coordinate"], row["unit"]) for row in some)
-    most = max(sorted(kinds), key=kinds.__getitem__, default=None)
+    most = axis(some)
     some = [row for row in some if (row["coordinate"], row["unit"]) == most]
     some.sort(key=lambda row: (row["date"] or "", row["lot"] or "", row["time"] or "", str(row["capture"])))
     return pandas.DataFrame(
@@ -34,6 +33,16 @@ def frame(rows: Sequence[Row]) -> Any:
             for row in some
         ]
     )
+
+
+def axis(rows: Sequence[Row]) -> tuple[str, str] | None:
+    """Return the axis and the unit of torque that most captures have that were read; None where none was."""
+    kinds = Counter(
+        (row["coordinate"], row["unit"])
+        for row in rows
+        if row["error"] is None and "duplicate" not in row["findings"]
+    )
+    return max(sorted(kinds), key=kinds.__getitem__, default=None)
 
 
 def parameters(rows: Sequence[Row]) -> dict[str, str]:

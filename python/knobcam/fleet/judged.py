@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 from ..model.effects import effects
-from .limits import Failed, Limits
+from .limits import UNIT, Failed, Limits
 from .outliers import outliers
 from .row import Row
 
@@ -85,4 +85,5 @@ def cause(row: Row, failed: Sequence[Failed], unlike: Sequence[str]) -> str | No
         names = [name.partition(".")[0] for name in of if name.partition(".")[0] in known]
     if names:
         return "; ".join(dict.fromkeys(f"{name}: {known[name].name}" for name in names))
-    return "not named: nothing was found missing from its model" if failed else None
+    beyond = any(one.limit != UNIT for one in failed)
+    return "not named: nothing was found missing from its model" if beyond else None

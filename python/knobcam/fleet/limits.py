@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..base.reading import parse_toml, read_text
+from ..capture.formats.units import GIVEN, SI, Coordinate
 from ..errors import InputError
 from ..model import Model
 from ..model.effects import base_effects, base_effects_shown, effects
@@ -22,6 +23,8 @@ _MOST_BYTES = 1_000_000
 _ADVICE = "write lines such as coulomb.pos = { min = 0.008, max = 0.010 } below [parameters]"
 _WHAT = "file of limits"
 _KINDS = ("parameters", "curve", "effects")
+UNIT = "unit"
+"""Key on top of a file of what its torques are in, and the name of the limit that a part in another fails."""
 _KEYS = ("min", "max", "reference", "percent", "jnd", "period_deg")
 _DIRECTIONS = ("forward", "backward")
 
@@ -102,10 +105,11 @@ class Without:
 
 @dataclass(frozen=True)
 class Limits:
-    """All limits of a file, and its text."""
+    """All limits of a file, its text, and the axis and the unit of torque that its numbers are of."""
 
     checks: tuple[Between | Band | Without, ...]
     text: str = ""
+    axis: tuple[str, str] = ("rotary", "N m")
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], model: Model | None, *, learned: bool) -> Limits:
@@ -120,19 +124,20 @@ class Limits:
         """Return the limits in the text of a file, as `load` does."""
         content = _of_dfq(text, str(path)) if is_dfq(text) else parse_toml(path, text, _WHAT, _ADVICE)
         try:
-            return cls(cls._checks(content, model, learned), text)
+            axis = _axis(content.pop(UNIT, None), model)
+            return cls(cls._checks(content, model or _base(*axis), learned), text, axis)
         except InputError as error:
             raise InputError(f"{path}: {error}") from None
 
     @classmethod
     def _checks(
-        cls, content: Mapping[str, Any], model: Model | None, learned: bool
+        cls, content: Mapping[str, Any], model: Model, learned: bool
     ) -> tuple[Between | Band | Without, ...]:
         if unknown := [name for name in content if name not in _KINDS]:
             raise InputError(f"[{unknown[0]}]: is no kind of limit; known are {', '.join(_KINDS)}")
-        coordinate = "rotary" if model is None else model.coordinate
+        coordinate = model.coordinate
         checks: list[Between | Band | Without] = []
-        units = _parameters(model)
+        units = {name: one.unit for name, one in model.params.items()}
         for name, entry in _flat(content.get("parameters", {})).items():
             if name not in units:
                 raise InputError(f"{name}: the model has no such parameter; it has {', '.join(units)}")
@@ -153,7 +158,23 @@ class Limits:
         """Return the limits that the row of a capture is beyond; none for one that was not read."""
         if row["error"] is not None:
             return []
-        return [one for check in self.checks for one in check.failed(row)]
+        if self.of_axis(row):
+            return [one for check in self.checks for one in check.failed(row)]
+        effects_alone = [one for one in self.checks if isinstance(one, Without)]
+        failed = [one for check in effects_alone for one in check.failed(row)]
+        if len(effects_alone) == len(self.checks):
+            return failed
+        is_, held = (f"{coordinate} in {unit}" for coordinate, unit in (_axis_of(row), self.axis))
+        said = f"it is {is_}, and the numbers of its limits are {held}; give limits of its own"
+        return [Failed(UNIT, f'{said}, with unit = "{row["unit"]}" on top'), *failed]
+
+    def of_axis(self, row: Row) -> bool:
+        """Whether a row that was read has the axis and the unit of torque that the numbers are of."""
+        return _axis_of(row) == self.axis
+
+    def beyond(self, row: Row) -> bool:
+        """Whether a part asks for a closer look: another unit than that of the limits is no fault of its."""
+        return any(one.limit != UNIT for one in self.failed(row))
 
     def of(self, name: str) -> Between | None:
         """Return the limits of a parameter."""
@@ -164,22 +185,39 @@ class Limits:
         return [one for one in self.checks if isinstance(one, Band)]
 
 
-def _parameters(model: Model | None) -> dict[str, str]:
-    """Return the parameters that are fitted, and their units."""
+def _axis(unit: object, model: Model | None) -> tuple[Coordinate, str]:
+    """Return axis and unit of torque of the numbers in a file: those of the model, or as the file says."""
     if model is not None:
-        return {name: one.unit for name, one in model.params.items()}
-    base = Model.of((*base_effects("rotary"), *base_effects_shown("rotary")), "rotary")
-    return {name: one.unit for name, one in base.params.items()}
+        if unit not in (None, model.torque_unit):
+            raise InputError(f"unit: is {unit!r}, and the model is in {model.torque_unit}; leave it out")
+        return model.coordinate, model.torque_unit
+    axes = {axis["tau"]: coordinate for coordinate, axis in SI.items()} | dict.fromkeys(GIVEN, "rotary")
+    said = SI["rotary"]["tau"] if unit is None else str(unit)
+    if said not in axes:
+        raise InputError(f"unit: is {unit!r}; choose {', '.join(axes)}")
+    return axes[said], said
+
+
+def _axis_of(row: Row) -> tuple[str, str]:
+    return row["coordinate"], row["unit"]
+
+
+def _base(coordinate: Coordinate, unit: str) -> Model:
+    """Return the base model of an axis, with what it has only where a capture shows it."""
+    return Model.of((*base_effects(coordinate), *base_effects_shown(coordinate)), coordinate, unit)
 
 
 def _of_dfq(text: str, path: str) -> dict[str, Any]:
     """Return the limits of a file of AQDEF, K2110 and K2111 of what K2002 names, as those of TOML."""
-    found = {}
+    found, units = {}, set()
     for one in parse(text, path):
+        units.add(one.unit)
         ends = {key: edge for key, edge in (("min", one.low), ("max", one.high)) if edge is not None}
         if ends:
             found[one.name] = ends
-    return {"parameters": found}
+    # Other programs spell N m in many ways; what the motor was given is spelled in one.
+    said = [unit for unit in (SI["linear"]["tau"], *GIVEN) if unit in units]
+    return {"parameters": found} | ({UNIT: said[0]} if said else {})
 
 
 def _flat(entries: object, head: str = "") -> dict[str, Mapping[str, Any]]:
@@ -212,7 +250,7 @@ def _between(name: str, entry: Mapping[str, Any], unit: str, coordinate: str) ->
             half = abs(given["reference"]) * given["percent"] / 100.0
         elif "jnd" in given:
             effect = effects(coordinate)[name.partition(".")[0]]
-            half = given["jnd"] * difference(name, effect, given["reference"], given.get("period_deg"))
+            half = given["jnd"] * difference(name, effect, given["reference"], given.get("period_deg"), unit)
         else:
             raise InputError(f"{name}: reference alone is no limit; add percent or jnd")
         low, high = max(low, given["reference"] - half), min(high, given["reference"] + half)

@@ -22,12 +22,11 @@ _PERIODS_DEG = (2.8, 180.0)
 _SHARES = (0.0037, 0.2617)  # of that torque, at these periods
 
 
-def difference(name: str, effect: Effect, reference: float, period_deg: float | None) -> float:
-    """Return the just noticeable difference of a parameter about a reference, in its unit.
+def difference(name: str, effect: Effect, reference: float, period_deg: float | None, unit: str) -> float:
+    """Return the just noticeable difference of a parameter about a reference, in its `unit`.
 
     InputError for what nobody measured, and for a ripple whose period is not given.
     """
-    unit = effect.parameter(name.partition(".")[2]).unit
     if effect.friction or effect.over == "acceleration":
         return SHARE * abs(reference)
     if effect.over == "position" and unit == "N m":

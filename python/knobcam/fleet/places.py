@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,6 +18,9 @@ from ..errors import InputError
 
 _BY_ARROW = ("s3", "gs", "gcs", "hdfs", "abfs", "abfss")
 """Stores that pyarrow reads by itself."""
+
+_ADDRESS = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:/")
+"""How an address begins, as a path has it too, which keeps one slash of two; one letter is a drive."""
 
 
 @dataclass(frozen=True)
@@ -32,6 +37,16 @@ class Found:
 def is_address(place: str) -> bool:
     """Whether it is an address, and no path of this machine."""
     return "://" in place
+
+
+def folder(given: str | os.PathLike[str]) -> Path:
+    """Return a folder of this machine, there or not. InputError for an address."""
+    if _ADDRESS.match(os.fspath(given)):
+        raise InputError(
+            f"{os.fspath(given)}: is an address, and the table grows in a folder of this machine; "
+            "give one, and copy it there when it is done"
+        )
+    return Path(given)
 
 
 def find(address: str) -> list[Found]:

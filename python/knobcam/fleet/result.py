@@ -15,8 +15,8 @@ from ..base import showing
 from ..base.tables import TextTable, text_table
 from ..base.writing import write
 from . import aqdef
-from .frame import parameters
-from .judged import mixed
+from .frame import axis, parameters
+from .judged import judged, mixed
 from .limits import Limits
 from .store import limits_of, read
 from .study import Study
@@ -33,7 +33,8 @@ class BatchResult(showing.Tabled):
     """The rows of a table of results, by capture; immutable.
 
     `asked` are the captures of the call that made it, `fresh` how many of them were not done before
-    (None: this is read), `limits` those by which they are judged.
+    (None: this is read), `limits` those by which they are judged. One that is `unfinished` was ended before
+    its table was made, or is under way.
     """
 
     folder: Path
@@ -41,18 +42,26 @@ class BatchResult(showing.Tabled):
     asked: frozenset[str]
     fresh: int | None = None
     limits: Limits | None = None
+    unfinished: bool = False
 
     @classmethod
     def read(cls, folder: str | os.PathLike[str]) -> BatchResult:
         """Return the results in a folder. InputError where there are none."""
-        rows = tuple(read(folder))
+        rows, limits = read(folder), limits_of(folder)
         asked = frozenset(str(row["capture"]) for row in rows)
-        return cls(Path(folder), rows, asked, limits=limits_of(folder))
+        if unfinished := any("ok" not in row for row in rows):  # those of parts, which nothing judged yet
+            rows = judged(rows, limits)
+        return cls(Path(folder), tuple(rows), asked, limits=limits, unfinished=unfinished)
 
     @property
     def failed(self) -> tuple[dict[str, Any], ...]:
         """The rows of captures that were asked for and could not be read or fitted."""
         return tuple(row for row in self.rows if row["capture"] in self.asked and row["error"] is not None)
+
+    @property
+    def drawn(self) -> Limits | None:
+        """The limits, where they are of the axis and the unit that most captures have."""
+        return self.limits if self.limits is not None and self.limits.axis == axis(self.rows) else None
 
     @cached_property
     def study(self) -> Study:
@@ -126,6 +135,7 @@ class BatchResult(showing.Tabled):
         said += [f"{n[name]} {name}" for name in ("missing", "unexplained") if n[name]]
         said += [f"{n['ok']} OK, {n['not_ok']} NOK"] if n["ok"] is not None else []
         said += [f"{n['failed']} could not be read or fitted"] if n["failed"] else []
+        said += ["not at its end yet: the same batch or watch goes on from there"] if self.unfinished else []
         return "; ".join(said) + "."
 
     def __repr__(self) -> str:
@@ -148,7 +158,8 @@ class BatchResult(showing.Tabled):
         """
         good = [row for row in self.rows if row["error"] is None]
         units = parameters(self.rows)
-        held = {name: self.limits.of(name) if self.limits else None for name in units}
+        limits = self.drawn
+        held = {name: limits.of(name) if limits else None for name in units}
         every = [
             aqdef.Characteristic(
                 name,

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base.strict_json import plain
+from ..base.reading import digest as digest_of_file
+from ..base.strict_json import plain, readable
 from ..capture import load
 from ..capture.capture import of_table
 from ..capture.formats.document import digest as digest_of
@@ -67,7 +68,7 @@ def row_of(source: Source, settings: Settings, learned: bool, known: str | None)
     except (KeyboardInterrupt, SystemExit):
         raise
     except InputError as error:
-        said = str(error)
+        said = readable(str(error))
         row["error"] = said if source.name in said else f"{source.name}: {said}"
     except BaseException as error:  # a panic of the core is no Exception
         what = " ".join(f"{type(error).__name__}: {error}".split())
@@ -95,11 +96,11 @@ def _shared(units: tuple[tuple[str, str], ...]) -> dict[str, str]:
 
 def is_known(source: Source, digest: str) -> bool:
     """Whether a file of this machine has the content of a digest."""
-    if source.rows is not None or places.is_address(source.place):
+    if source.error is not None or source.rows is not None or places.is_address(source.place):
         return False
     try:
         return _digest(Path(source.place)) == digest
-    except OSError:
+    except (InputError, OSError):
         return False
 
 
@@ -140,8 +141,7 @@ def _digest(path: Path) -> str:
             if one.is_file():
                 total.update(f"{one.relative_to(path).as_posix()} ".encode() + _digest(one).encode())
         return total.hexdigest()
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+    return digest_of_file(path)
 
 
 def _reading(settings: Settings) -> Reading:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import glob
 import os
 import re
+import stat
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from ..base.reading import is_folder, look
+from ..base.reading import look
+from ..base.strict_json import readable
 from ..errors import InputError
 from . import dataset, places
 from .places import Found
@@ -70,8 +72,10 @@ def _named(given: str, besides: Path | None) -> Iterator[Source]:
             yield from _of_file(one, one.place.removeprefix(head))
         return
     path = Path(given)
-    if path.exists() or not glob.has_magic(given):
-        look(path)
+    there = os.path.lexists(path)
+    if there or not glob.has_magic(given):
+        if not there:
+            look(path)  # which says what is wrong with the name
         yield from _below(path, path, besides)
         return
     first = next(at for at, part in enumerate(path.parts) if glob.has_magic(part))
@@ -81,25 +85,50 @@ def _named(given: str, besides: Path | None) -> Iterator[Source]:
             yield from _below(each, root, besides)
 
 
-def _below(path: Path, root: Path, besides: Path | None) -> Iterator[Source]:
-    """Yield the captures of a file, or of all files below a folder; a bag is a folder and one capture."""
+def _below(path: Path, root: Path, besides: Path | None, above: tuple[Path, ...] = ()) -> Iterator[Source]:
+    """Yield the captures of a file, or of all files below a folder; a bag is a folder and one capture.
+
+    `above` are the folders that it was reached through. What cannot be looked at is a capture with an error.
+    """
     if besides is not None and path.absolute() == besides.absolute():
         return
-    if is_folder(path) and not (path / "metadata.yaml").is_file():
-        for one in sorted(path.iterdir()):
-            if not one.name.startswith((".", "_")):
-                yield from _below(one, root, besides)
-        return
-    known = path.stat()
-    stamp = f"{known.st_size} {known.st_mtime_ns}"
     within = path.relative_to(root).as_posix() if path != root else path.name
-    yield from _of_file(Found(str(path), known.st_mtime, stamp, known.st_size), within)
+    try:
+        known = look(path)
+        inside = _inside(path, above) if stat.S_ISDIR(known.st_mode) else None
+    except (InputError, OSError) as error:
+        if os.path.lexists(path):  # else it went since it was listed, as what a program renames does
+            modified, why = path.lstat().st_mtime, str(error)
+            nothing = Found(str(path), modified, f"{why} {modified}", 0)
+            yield replace(_whole(nothing, within), error=why)
+        return
+    if inside is not None:
+        for one in inside:
+            yield from _below(one, root, besides, (*above, path.resolve()))
+        return
+    yield from _of_file(
+        Found(str(path), known.st_mtime, f"{known.st_size} {known.st_mtime_ns}", known.st_size), within
+    )
+
+
+def _inside(folder: Path, above: tuple[Path, ...]) -> list[Path] | None:
+    """Return what is in a folder; None for a bag. InputError for a link that leads back to where it lies."""
+    if folder.is_symlink() and any(one.is_relative_to(folder.resolve()) for one in above):
+        raise InputError(f"{folder}: is a link back to a folder that it lies in; remove it")
+    if (folder / "metadata.yaml").is_file():
+        return None
+    return [one for one in sorted(folder.iterdir()) if not one.name.startswith((".", "_"))]
+
+
+def _whole(file: Found, within: str) -> Source:
+    """Return a file as one capture; a table has no letters that are none, as in names that are not UTF-8."""
+    labels = {name: readable(label) for name, label in of_path(file.place, within).items()}
+    place = file.place if places.is_address(file.place) else str(Path(file.place).absolute())
+    return Source(readable(file.place), place, file.stamp, file.modified, labels, file.bytes)
 
 
 def _of_file(file: Found, within: str) -> Iterator[Source]:
-    labels = of_path(file.place, within)
-    place = file.place if places.is_address(file.place) else str(Path(file.place).absolute())
-    whole = Source(file.place, place, file.stamp, file.modified, labels, file.bytes)
+    whole = _whole(file, within)
     try:
         several = file.place.lower().endswith(".parquet")
         inside = dataset.captures_in(file.place, file.stamp) if several else None
@@ -110,7 +139,7 @@ def _of_file(file: Found, within: str) -> Iterator[Source]:
         yield whole
         return
     for key, rows, own in inside:
-        yield replace(whole, name=key, labels={**labels, **own}, rows=rows)
+        yield replace(whole, name=key, labels={**whole.labels, **own}, rows=rows)
 
 
 def of_path(place: str, within: str) -> dict[str, str]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from .frame import frame, parameters
+from .frame import axis, frame, parameters
 from .gauge import Gauge, gauge
 from .limits import Between, Limits
 from .lots import FEWEST, Capable, Chart, Gain, More, Shift, capable, chart, gains, more, shifts
@@ -42,7 +42,8 @@ class Study:
         every = compared(table, rows)
         moved = [one for by in ("lot", "station") for one in shifts(table, names, by)]
         lots = list(dict.fromkeys(table["lot"]))
-        held = [one for one in (limits.checks if limits else ()) if isinstance(one, Between)]
+        alike = limits is not None and limits.axis == axis(rows)  # numbers in N m say nothing of those in A
+        held = [one for one in (limits.checks if limits and alike else ()) if isinstance(one, Between)]
         able = [
             capable(table.loc[table["lot"] == lot, one.name].to_numpy(dtype=float), one, lot)
             for one in held

@@ -11,6 +11,7 @@ from typing import Any
 
 from ..errors import InputError
 from ..model import Model
+from . import places
 from .judged import judged
 from .limits import Limits
 from .result import BatchResult
@@ -58,11 +59,12 @@ class Watch:
         path = Path(folder)
         if not path.is_dir():
             raise InputError(f"{path}: is no folder; make it first, or name another one")
+        kept = places.folder(results)
         asked = Model.load(model) if isinstance(model, str | os.PathLike) else model
-        known = hinted(results) is not False
+        known = hinted(kept) is not False
         settings = Settings(None if asked is None else asked.text(), reading or {}, prepare, options, known)
         checks = None if limits is None else Limits.load(limits, asked, learned=learn != "none")
-        return cls(path, Store.open(Path(results), settings), checks, learn=learn)
+        return cls(path, Store.open(kept, settings), checks, learn=learn)
 
     def rows(self, *, once: bool = False) -> Iterator[Row]:
         """Yield the row of each file, judged, when it is complete; with `once` of those that are there now.
@@ -129,7 +131,7 @@ class Watch:
         """Whether a part asks for a closer look: it has more than chance left, or is beyond a limit."""
         if row["error"] is not None or row["learned"]:
             return False
-        return row["verdict"] is None or (self.limits is not None and bool(self.limits.failed(row)))
+        return row["verdict"] is None or (self.limits is not None and self.limits.beyond(row))
 
     def finish(self) -> BatchResult:
         """Make the table of all rows, as a batch does, and return it."""

@@ -139,7 +139,7 @@ def batch_parameters(result: BatchResult) -> Picture:
         )
         axes.vlines(at, ends[:, 0], ends[:, 1], color=PALE, lw=1.0)
         _dots(axes, at, value, bad)
-        held = result.limits.of(name) if result.limits is not None else None
+        held = result.drawn.of(name) if result.drawn is not None else None
         for edge in () if held is None else (held.low, held.high):
             if math.isfinite(edge):
                 axes.axhline(edge, color=WRONG, lw=1.0, ls="--")
@@ -191,7 +191,7 @@ def batch_curves(result: BatchResult) -> Picture:
                 lw=0.7,
                 alpha=0.9 if odd else 0.35,
             )
-        for band in result.limits.bands() if result.limits is not None else ():
+        for band in result.drawn.bands() if result.drawn is not None else ():
             if band.direction == way:
                 for edge in (band.low, band.high):
                     axes.plot(band.theta, np.array(edge) * scale.factor, color=WRONG, lw=1.2, ls="--")
