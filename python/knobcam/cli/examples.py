@@ -12,7 +12,7 @@ EXAMPLES = {
     "batch": "knobcam batch captures -o results",
     "watch": "knobcam watch incoming -o results --limits limits.toml",
     "report": "knobcam report results",
-    "convert": "knobcam convert fitted.toml --to c -o knob.c",
+    "convert": "knobcam convert fitted.toml --to c -o knob.h",
     "render": "knobcam render fitted.toml --plots pictures",
     "workbench": "knobcam workbench knob.npz",
     "effects": "knobcam effects stribeck",
