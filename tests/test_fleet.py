@@ -301,6 +301,10 @@ def test_captures_lie_in_parquet_datasets_with_a_key(lot: Path, scheduler: str, 
     pq.write_table(pa.table({"capture": list(captures), **lists}), tmp_path / "y.parquet")
     other = kc.batch(tmp_path / "y.parquet", tmp_path / "s", scheduler=scheduler, learn="none")
     assert [row["params"] for row in other.rows] == [row["params"] for row in whole.rows]
+    lists["tau_Nm"] = [[None, *some[1:].tolist()] for some in lists["tau_Nm"]]
+    pq.write_table(pa.table({"capture": list(captures), **lists}), tmp_path / "z.parquet")
+    with_gaps = kc.batch(tmp_path / "z.parquet", tmp_path / "u", scheduler=scheduler, learn="none")
+    assert [(row["error"], row["masked"]) for row in with_gaps.rows] == 3 * [(None, 1)]
 
 
 def test_the_command_answers_in_one_document_and_counts_what_failed(

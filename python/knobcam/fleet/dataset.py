@@ -93,7 +93,7 @@ def _numbers(column: Any) -> np.ndarray[Any, np.dtype[np.float64]] | None:
         column = column.combine_chunks().flatten()
     if not (types.is_integer(column.type) or types.is_floating(column.type)):
         return None
-    return np.asarray(column.cast("float64").to_numpy(), dtype=np.float64)
+    return np.asarray(column.cast("float64"), dtype=np.float64)
 
 
 @lru_cache(maxsize=8)

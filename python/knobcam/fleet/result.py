@@ -131,6 +131,8 @@ class BatchResult(showing.Tabled):
         """How many captures there are, and what of them, in a sentence."""
         n = self._counts()
         now = "" if self.fresh is None else f", {self.fresh} of them fitted now"
+        if (before := len(self.rows) - len(self.asked)) > 0:  # which may be gone by now, or lie elsewhere
+            now += f", {before} of them of calls before"
         said = [f"{n['captures']} captures{now}", f"{n['complete']} complete"]
         said += [f"{n[name]} {name}" for name in ("missing", "unexplained") if n[name]]
         said += [f"{n['ok']} OK, {n['not_ok']} NOK"] if n["ok"] is not None else []

@@ -113,7 +113,8 @@ def _below(path: Path, root: Path, besides: Path | None, above: tuple[Path, ...]
 
 def _inside(folder: Path, above: tuple[Path, ...]) -> list[Path] | None:
     """Return what is in a folder; None for a bag. InputError for a link that leads back to where it lies."""
-    if folder.is_symlink() and any(one.is_relative_to(folder.resolve()) for one in above):
+    lies_in = (*above, folder.parent.resolve())
+    if folder.is_symlink() and any(one.is_relative_to(folder.resolve()) for one in lies_in):
         raise InputError(f"{folder}: is a link back to a folder that it lies in; remove it")
     if (folder / "metadata.yaml").is_file():
         return None

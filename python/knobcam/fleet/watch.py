@@ -138,7 +138,7 @@ class Watch:
         rows = judged(list(self.store.rows.values()), self.limits)
         self.store.finish(rows, None if self.limits is None else self.limits.text)
         self.store.close()
-        asked = frozenset(str(row["capture"]) for row in rows)
+        asked = frozenset(self._done)  # others were there in a watch before
         return BatchResult(self.store.folder, tuple(rows), asked, len(self.fresh), self.limits)
 
 
