@@ -34,6 +34,7 @@ python_maximum_signature_line_length = 90
 nitpick_ignore_regex = [
     ("py:.*", r"(os|pathlib|collections|typing|np|numpy|matplotlib)\..*"),
     ("py:.*", r"(knobcam\.)?(_core|pages)\..*"),
+    ("py:.*", r"knobcam\.fleet\.limits\.Limits"),  # of a batch, read from a file; `Limits` are those of a rig
     ("py:.*", r"(.*\.)?(FloatArray|IntArray|BoolArray|ArrayLike|NDArray|ColumnMap|Figure|Path|Law)"),
     ("py:.*", r"(.*\.)?(Clears|Left|Form|Kind|Study|Said|Advice|Quantity)"),
     (
