@@ -74,7 +74,9 @@ class Study:
 
     @property
     def _drifts(self) -> list[str]:
-        """What moved along the captures, and not from lot to lot or from station to station."""
+        """What moved along the captures of one lot; of several their differences are said."""
+        if len(self.table) == 0 or self.table["lot"].nunique(dropna=False) > 1:
+            return []
         told = {one.parameter for one in self.shifts}
         drift = [one for one in self.charts if one.out and one.parameter not in told]
         first = [self.table["capture"].iloc[one.out[0]] for one in drift]
