@@ -282,14 +282,12 @@ def proven(made: Path, processor: str) -> None:
 
 
 def add_library(made: Path, tree: Path, target: str = "") -> None:
-    """Add the shared library of the render step, built in the same tree, to a wheel and its record."""
+    """Add the libraries of the render step, built in the same tree, to a wheel and its record."""
     with tempfile.TemporaryDirectory() as folder:
         library(Path(folder), "release", target, tree)
         files = {f"knobcam/render/lib/{path.name}": path.read_bytes() for path in Path(folder).iterdir()}
     with zipfile.ZipFile(made) as old:
-        files = {name: old.read(name) for name in old.namelist()} | {
-            name: content for name, content in files.items() if not name.endswith((".a", ".lib"))
-        }
+        files = {name: old.read(name) for name in old.namelist()} | files
     record = next(name for name in files if name.endswith(".dist-info/RECORD"))
     rows = files.pop(record).decode().splitlines()
     told = {row.partition(",")[0] for row in rows}
