@@ -85,14 +85,19 @@ def chart(values: FloatArray, parameter: str, begun: int) -> Chart:
     first = usual(values[:begun])
     known = len(first) > 1
     middle, deviation = (np.mean(first), np.std(first, ddof=1)) if known else (math.nan, math.nan)
-    pandas = require("pandas", "control charts", "fleet")
-    series = pandas.Series([middle, *values]).ewm(alpha=_STEEP, adjust=False, ignore_na=True).mean()
+    mean = _running(values[:, np.newaxis], np.array([middle]))[:, 0]
     half = (
         _wide(min(max(len(first), 2), _LONGEST), min(len(values), _LONGEST))
         * deviation
         * _spread(len(values))
     )
-    return Chart(parameter, values, series.to_numpy()[1:], float(middle), half)
+    return Chart(parameter, values, mean, float(middle), half)
+
+
+def _running(values: FloatArray, middle: FloatArray) -> FloatArray:
+    """Return the average of charts side by side, (values, charts), each from its middle on."""
+    table = require("pandas", "control charts", "fleet").DataFrame(np.vstack([middle, values]))
+    return np.asarray(table.ewm(alpha=_STEEP, adjust=False, ignore_na=True).mean())[1:]
 
 
 def _spread(values: int) -> FloatArray:
@@ -108,12 +113,10 @@ def _wide(begun: int, values: int) -> float:
 
     Drawn, not looked up: what a process was is known from `begun` values alone, and so is how much it varies.
     """
-    lfilter = require("scipy.signal", "control charts", "fleet").lfilter
-    drawn = np.random.default_rng(0).standard_normal((_DRAWS, values))
-    middle = np.mean(drawn[:, :begun], axis=1, keepdims=True)
-    deviation = np.std(drawn[:, :begun], axis=1, ddof=1)
-    mean = lfilter([_STEEP], [1.0, _STEEP - 1.0], drawn - middle, axis=1)
-    farthest = np.max(np.abs(mean) / _spread(values), axis=1)
+    drawn = np.random.default_rng(0).standard_normal((_DRAWS, values)).T
+    middle, deviation = np.mean(drawn[:begun], axis=0), np.std(drawn[:begun], axis=0, ddof=1)
+    off = np.abs(_running(drawn, middle) - middle)
+    farthest = np.max(off / _spread(values)[:, np.newaxis], axis=0)
     return float(np.quantile(farthest / deviation, 1.0 - LEVEL))
 
 
