@@ -103,8 +103,9 @@ def _below(path: Path, root: Path, besides: Path | None, above: tuple[Path, ...]
             yield replace(_whole(nothing, within), error=why)
         return
     if inside is not None:
+        through = (*above, path.resolve())
         for one in inside:
-            yield from _below(one, root, besides, (*above, path.resolve()))
+            yield from _below(one, root, besides, through)
         return
     yield from _of_file(
         Found(str(path), known.st_mtime, f"{known.st_size} {known.st_mtime_ns}", known.st_size), within
