@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command import knobcam, refused
+from scipy.signal import lfilter
 from workbench_server import started
 
 import knobcam as kc
@@ -187,15 +188,19 @@ def test_an_error_like_chances_does_not_hide_values_that_no_knob_has() -> None:
 
 
 def test_a_floor_that_was_read_from_what_the_model_left_is_told_of_each_step() -> None:
-    """What is wrong in every stretch of a slow turn passes for noise until the model has it."""
-    path = SHARED / "odrive_cogging" / "slow2_slower_nocomp_0.npy"
-    if not path.is_file():
-        pytest.skip(f"{path} is absent; set KNOBCAM_SHARED_DATA to the folder of real measurements")
-    t, counts, current = np.load(path)
-    later = t > t[0] + 1.0
-    motion = {"t": t[later], "theta": counts[later] * 2.0 * np.pi / 8192.0, "tau": current[later]}
+    """What is wrong in every stretch of a slow turn passes for coloured noise until the model has it."""
+    t = np.arange(20000) / 1000.0
+    theta = 0.5 * t + 0.02 * np.sin(3.0 * t)
+    white = np.random.default_rng(1).normal(size=t.size) * 2e-4
+    noise = lfilter([1.0], [1.0, -0.9], white)
+    pull = 0.01 + 0.002 * np.gradient(theta, t) + 0.01 * np.sin(7.0 * theta) + 0.003 * np.sin(14.0 * theta)
     session = Session()
-    session.take(kc.Capture.from_arrays(**motion, torque_unit="A"), "slow")
+    session.take(kc.Capture.from_arrays(t=t, theta=theta, tau=pull + noise), "slow")
     session.add("cogging")
     first, now = (one["noise_floor"] for one in state.document(session)["branches"][0]["steps"])
-    assert first is not None and now is not None and now < 0.6 * first
+    assert (
+        first is not None
+        and now is not None
+        and now < 0.5 * first
+        and now == pytest.approx(noise.std(), rel=0.2)
+    )
