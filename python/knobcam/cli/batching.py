@@ -41,6 +41,11 @@ def register(commands: arguments.Commands) -> None:
         help="keep how much each capture speaks for every effect, by which lots are compared; default all "
         "where a batch begins with up to 2000 captures",
     )
+    parser.add_argument(
+        "--count-gone",
+        action="store_true",
+        help="let rows whose captures are not there any more count in lots and limits, as those that are",
+    )
     arguments.add_preparation(parser)
     arguments.add_reading(parser)
 
@@ -68,6 +73,7 @@ def run(args: Namespace) -> Answer:
         scheduler=args.scheduler,
         learn=args.learn,
         hints=None if args.hints is None else args.hints == "all",
+        count_gone=args.count_gone,
         prepare=args.prepare,
         reading=reading(args),
         progress=status,

@@ -27,6 +27,14 @@ def register(commands: arguments.Commands) -> None:
         default="outliers",
         help="look for missing effects where more than chance is left or a limit is passed (default), or not",
     )
+    parser.add_argument(
+        "--patience",
+        type=arguments.number,
+        default=5.0,
+        metavar="S",
+        help="how long a file may stand still that cannot be read or is still open, before it is told; "
+        "default 5 s",
+    )
     parser.add_argument("--once", action="store_true", help="end with what is there now, in place of Ctrl-C")
     arguments.add_preparation(parser)
     arguments.add_reading(parser)
@@ -44,6 +52,7 @@ def run(args: Namespace) -> int:
         model=args.model,
         limits=args.limits,
         learn=args.learn,
+        patience_s=args.patience,
         prepare=args.prepare,
         reading=reading(args),
         **options,

@@ -14,7 +14,7 @@ from ..base.optional import require
 from ..fit.estimate import Z95
 from .limits import Between
 from .outliers import deviations
-from .row import Row
+from .row import Row, counts
 
 FEWEST = 5
 """Captures of a lot or of a station, for its mean to be compared."""
@@ -255,7 +255,7 @@ def more(rows: Sequence[Row]) -> list[More]:
     """Return what some lots have more often than the rest (Fisher's exact test, Holm's correction)."""
     stats = require("scipy.stats", "comparing lots", "fleet")
     holm = require("statsmodels.stats.multitest", "comparing lots", "fleet").multipletests
-    good = [row for row in rows if row["error"] is None and row["learned"]]
+    good = [row for row in rows if counts(row) and row["learned"]]
     found = []
     for lot in sorted({row["lot"] or "" for row in good}):
         for effect in sorted({name for row in good for name in row["found"]}):

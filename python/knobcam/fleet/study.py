@@ -6,12 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from .frame import axis, frame, parameters
 from .gauge import Gauge, gauge
 from .limits import Between, Limits
-from .lots import FEWEST, Capable, Chart, Gain, More, Shift, capable, chart, gains, more, shifts
+from .lots import FEWEST, Capable, Chart, Gain, More, Shift, capable, chart, gains, more, shifts, usual
 from .pooled import Held, Pooled, compared, pooled
-from .row import Row
+from .row import Row, counts
 
 _BEGUN = 20  # captures, where there is one lot alone
 
@@ -34,6 +36,7 @@ class Study:
     @classmethod
     def of(cls, rows: Sequence[Row], limits: Limits | None) -> Study:
         """Return the statistics of rows; those for which there is too little are left out."""
+        rows = [row for row in rows if counts(row)]
         units = parameters(rows)
         table = frame(rows)
         if table.empty:
@@ -62,6 +65,15 @@ class Study:
             tuple(pooled(every, rows)),
             tuple(one for name in names if (one := gauge(table, name)) is not None),
         )
+
+    def ordinary(self, name: str) -> tuple[float, float]:
+        """Return between which values a parameter usually is in its lots, or in all where those are small."""
+        of = self.table["lot"]
+        lots = [self.table.loc[of == lot, name].to_numpy(dtype=float) for lot in dict.fromkeys(of)]
+        large = [some for some in lots if np.isfinite(some).sum() >= FEWEST]
+        every = [usual(some) for some in large or [self.table[name].to_numpy(dtype=float)]]
+        together = np.concatenate(every)
+        return (float(together.min()), float(together.max())) if len(together) else (0.0, 1.0)
 
     @property
     def said(self) -> list[str]:
