@@ -47,8 +47,13 @@ def test_a_capture_that_is_gone_keeps_its_row_and_counts_no_more(lot: Path, tmp_
     told = ended.document
     assert ended.code == 0
     assert [told[name] for name in ("captures", "gone", "failed", "not_ok")] == [1, 2, 0, 1]
-    for said in (knobcam(*words).out, knobcam("report", tmp_path / "r").out):
-        assert "1 captures" in said and "left out are 2 whose files are not there any more" in said
+    for ended in (knobcam(*words), knobcam("report", tmp_path / "r")):
+        said = ended.out + ended.err
+        assert (
+            ended.code == 0
+            and "1 captures" in said
+            and "left out are 2 whose files are not there any more" in said
+        )
         assert "bad.csv" not in said and "1.npz" not in said
     assert "left out are 2 whose" in (tmp_path / "r.html").read_text("utf-8")
     assert len(pq.read_table(tmp_path / "r")) == 3

@@ -65,8 +65,8 @@ def workers(scheduler: str | None) -> Iterator[Any]:
         return
     with _crew(cores()) as crew:  # which loads what it needs while this process does
         distributed = require("distributed", "a batch", "fleet")
-        local = distributed.LocalCluster
-        with _quiet(), local(n_workers=0, dashboard_address=None, silence_logs=False) as cluster:
+        how = {"n_workers": 0, "dashboard_address": "127.0.0.1:0", "silence_logs": False}
+        with _quiet(), distributed.LocalCluster(**how) as cluster:
             _unheard(cluster.loop)
             _tell(crew, cluster.scheduler_address)
             with _client(distributed, cluster.scheduler_address, crew) as client:

@@ -40,7 +40,9 @@ def is_address(place: str) -> bool:
 
 
 def folder(given: str | os.PathLike[str]) -> Path:
-    """Return a folder of this machine, there or not. InputError for an address."""
+    """Return a folder of this machine, there or not. InputError for an address, and for no name at all."""
+    if not os.fspath(given):
+        raise InputError("'': names no folder; is a variable of the shell empty?")
     if _ADDRESS.match(os.fspath(given)):
         raise InputError(
             f"{os.fspath(given)}: is an address, and the table grows in a folder of this machine; "

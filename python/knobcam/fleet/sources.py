@@ -110,6 +110,8 @@ def _nothing(given: str | os.PathLike[str]) -> str:
 
 
 def _named(given: str, besides: Path | None) -> Iterator[Source]:
+    if not given:
+        raise InputError("SOURCES: '' names nothing; is a variable of the shell empty?")
     if places.is_address(given):
         head = given.split("*")[0].rstrip("/") + "/"
         every = places.find(given)

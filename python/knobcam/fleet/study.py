@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -56,7 +56,7 @@ class Study:
         return cls(
             table,
             units,
-            tuple(chart(table[name].to_numpy(dtype=float), name, _begun(table, lots)) for name in names),
+            tuple(_charts(table, names, lots)),
             tuple(one for one in able if one is not None),
             tuple(moved),
             tuple(gains(table, units, moved)),
@@ -112,6 +112,12 @@ class Study:
                 {**one._asdict(), "percent": one.percent, "distinct": one.distinct} for one in self.gauges
             ],
         }
+
+
+def _charts(table: Any, names: Sequence[str], lots: Sequence[str]) -> Iterator[Chart]:
+    """Yield the chart of each parameter; none of one capture, which has no course."""
+    for name in names if len(table) > 1 else ():
+        yield chart(table[name].to_numpy(dtype=float), name, _begun(table, lots))
 
 
 def _begun(table: Any, lots: Sequence[str]) -> int:

@@ -76,7 +76,7 @@ class Watch:
 
         `patience_s` is how long a file may stand still that cannot be read, or that a program still has open.
         """
-        path = Path(folder)
+        path = places.folder(folder)
         if not path.is_dir():
             raise InputError(f"{path}: is no folder; make it first, or name another one")
         if not patience_s >= 0.0:

@@ -73,6 +73,7 @@ def _pictures(result: BatchResult) -> str:
                 "Red: not OK, or unlike its lot; triangles: beyond the edge. Broken: the band.",
             )
         )
+    if result.study.charts:
         parts.append(figure(plot.batch_charts(result), "Red: the mean moved beyond chance."))
     return "\n".join(parts)
 
