@@ -19,7 +19,7 @@ from knobcam.fleet.judged import judged
 from knobcam.fleet.limits import Limits
 from knobcam.fleet.row import GONE
 from knobcam.fleet.settings import Settings
-from knobcam.fleet.sources import sources
+from knobcam.fleet.sources import gone, sources
 from knobcam.fleet.store import Store
 
 LIMITS = "[parameters]\ncoulomb.pos = { min = 0.0, max = 0.0085 }"
@@ -98,9 +98,9 @@ def test_captures_of_other_sources_that_are_still_there_count(tmp_path: Path):
 def test_a_lot_whose_files_are_gone_moves_no_other_and_is_in_no_statistics():
     rng = np.random.default_rng(4)
     rows = several(rng, 20) + several(rng, 20, "B", coulomb=1.3)
-    gone = [row["capture"] for row in rows if row["lot"] == "B"]
+    away = [row["capture"] for row in rows if row["lot"] == "B"]
     limits = Limits.parse(LIMITS, "limits", None, learned=True)
-    told = judged(rows, limits, gone)
+    told = judged(rows, limits, away)
     result = BatchResult(Path("r"), tuple(told), frozenset(), limits=limits)
     assert set(result.study.table["lot"]) == {"A"}
     assert not result.study.shifts and {one.lot for one in result.study.capability} == {"A"}
@@ -115,7 +115,19 @@ def test_results_that_lie_among_captures_are_no_captures(lot: Path):
     assert [one.name for one in sources(every)] == [one.name for one in sources([lot])]
     with pytest.raises(InputError, match="holds results of a batch, and no captures"):
         sources([lot / "results of before"])
-    refused(knobcam("batch", lot / "results of before", "-o", lot / "other"), "holds results of a batch")
+    for command in (("batch",), ("watch", "--once")):
+        ended = knobcam(*command, lot / "results of before", "-o", lot / "other")
+        refused(ended, "holds results of a batch")
+
+
+@pytest.mark.parametrize("words", [("", "-o", "r"), ("in", "-o", "")])
+def test_an_empty_name_is_not_the_folder_that_one_is_in(
+    words: tuple[str, ...], lot: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.chdir(tmp_path)
+    for command in (("batch",), ("watch", "--once")):
+        refused(knobcam(*command, *words), "is a variable of the shell empty?")
+    assert [one.name for one in tmp_path.iterdir()] == [lot.name]
 
 
 def test_results_behind_an_address_are_no_captures(tmp_path: Path):
@@ -124,7 +136,13 @@ def test_results_behind_an_address_are_no_captures(tmp_path: Path):
     store = fsspec.filesystem("memory")
     for name in ("a.csv", "r/_batch.json", "r/rows.parquet", "_parts/1.csv"):
         store.pipe(f"/line/{name}", b"nothing")
-    assert [one.name for one in sources(["memory://line"])] == ["memory:///line/a.csv"]
+    found = sources(["memory://line"])
+    assert [one.name for one in found] == ["memory:///line/a.csv"]
+    known = {name: f"memory://{name}" for name in ("/line/a.csv", "/line/away.csv", "/other/away.csv")}
+    # What lies where nobody looked is not asked for.
+    assert gone({place: place for place in known.values()}, found, ["memory://line"]) == {
+        known["/line/away.csv"]
+    }
 
 
 def test_a_batch_that_was_ended_is_judged_by_the_limits_that_it_was_given(tmp_path: Path):

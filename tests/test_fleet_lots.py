@@ -253,4 +253,28 @@ def test_a_picture_of_a_hundred_lots_is_no_wider_and_no_higher_than_a_page():
         width, height = drawn.get_size_inches()
         assert width <= 14.0 and height <= 14.0
     lots = [one.get_text() for one in plot.batch(result).axes[0].get_yticklabels()]
-    assert lots[0] == "L00" and "L01" in lots and lots[-1] == "70 other lots"
+    assert lots[0] == "L00 (5)" and "L01 (5)" in lots and lots[-1] == "80 other lots (400)"
+
+
+def test_a_lot_that_is_not_ok_is_among_the_few_of_many_that_are_drawn_and_by_its_share():
+    rng = np.random.default_rng(3)
+    rows = [
+        one for lot in range(40) for one in several(rng, 5, f"L{lot:02d}", coulomb=1.0 + 0.5 * (lot == 39))
+    ]
+    limits = Limits.parse("[parameters]\ncoulomb.pos = { max = 0.012 }", "limits", None, learned=True)
+    drawn = plot.batch(BatchResult(Path("r"), tuple(judged(rows, limits)), frozenset(), limits=limits)).axes[
+        0
+    ]
+    lots = [one.get_text() for one in drawn.get_yticklabels()]
+    bars = {one.get_label(): [bar.get_width() for bar in one] for one in drawn.containers}
+    assert "L39 (5)" in lots and bars["not OK"][lots.index("L39 (5)")] == 100.0
+    assert sum(bars["not OK"]) == 100.0
+
+
+def test_one_bad_part_is_no_drift_and_a_step_that_stays_is():
+    rows = several(np.random.default_rng(5), 60)
+    rows[40]["params"]["coulomb.pos"] = [0.9, 0.89, 0.91]
+    assert not [one for one in Study.of(rows, None).said if "drifts" in one]
+    for row in rows[45:]:
+        row["params"]["coulomb.pos"] = [1.15 * one for one in row["params"]["coulomb.pos"]]
+    assert [one for one in Study.of(rows, None).said if one.startswith("coulomb.pos drifts")]

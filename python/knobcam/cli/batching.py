@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import arguments
@@ -53,7 +52,12 @@ def register(commands: arguments.Commands) -> None:
 def add_what(parser: arguments.Parser) -> None:
     """Add the options that a batch and a station share."""
     parser.add_argument(
-        "-o", "--output", type=Path, required=True, metavar="RESULTS", help="folder of the table; it goes on"
+        "-o",
+        "--output",
+        type=arguments.folder,
+        required=True,
+        metavar="RESULTS",
+        help="folder of the table; it goes on",
     )
     parser.add_argument("--model", metavar="MODEL", help="fitted to each; default the base model")
     parser.add_argument("--limits", metavar="FILE", help="TOML with [parameters], [curve.forward], [effects]")

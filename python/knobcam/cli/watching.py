@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..base.strict_json import as_json
@@ -19,7 +18,9 @@ def register(commands: arguments.Commands) -> None:
     parser = arguments.add_command(
         commands, "watch", run, "Judge each capture as its file is complete: a line of JSON a part."
     )
-    parser.add_argument("folder", type=Path, metavar="FOLDER", help="where the station puts its captures")
+    parser.add_argument(
+        "folder", type=arguments.folder, metavar="FOLDER", help="where the station puts its captures"
+    )
     add_what(parser)
     parser.add_argument(
         "--learn",

@@ -54,10 +54,10 @@ def sources(given: Sequence[str | os.PathLike[str]], besides: Path | None = None
     places_seen: set[tuple[str, tuple[int, int] | None]] = set()
     for one in given:
         some = list(_named(os.fspath(one), besides))
-        if not some and len(given) > 1 and _is_results(one):
+        if not some and len(given) > 1 and is_results(one):
             continue  # a shell names all that is in a folder
         if not some:
-            raise InputError(f"{one}: {_nothing(one)}")
+            raise InputError(f"{one}: {nothing_in(one)}")
         for source in some:
             if (source.place, source.rows) in places_seen:
                 continue
@@ -99,12 +99,14 @@ def _head(address: str) -> str:
     return address.split("*")[0].rstrip("/") + ("" if "*" in address else "/")
 
 
-def _is_results(folder: str | os.PathLike[str]) -> bool:
+def is_results(folder: str | os.PathLike[str]) -> bool:
+    """Whether a folder holds results of a batch, which are no captures."""
     return os.path.isfile(f"{os.fspath(folder)}/{RESULTS}")  # noqa: PTH113 - as of any path at all
 
 
-def _nothing(given: str | os.PathLike[str]) -> str:
-    if _is_results(given):
+def nothing_in(given: str | os.PathLike[str]) -> str:
+    """Say why a name has no capture."""
+    if is_results(given):
         return "holds results of a batch, and no captures; name the folder of captures"
     return "no capture is there; check the name, or the pattern"
 
@@ -141,7 +143,7 @@ def _below(path: Path, root: Path, besides: Path | None, above: tuple[Path, ...]
 
     `above` are the folders that it was reached through. What cannot be looked at is a capture with an error.
     """
-    if (besides is not None and path.absolute() == besides.absolute()) or _is_results(path):
+    if (besides is not None and path.absolute() == besides.absolute()) or is_results(path):
         return
     within = path.relative_to(root).as_posix() if path != root else path.name
     try:

@@ -20,7 +20,7 @@ from .limits import Limits
 from .result import BatchResult
 from .row import GONE, Row, row_of
 from .settings import Settings
-from .sources import Source, sources, stands_still
+from .sources import Source, is_results, nothing_in, sources, stands_still
 from .store import Store, hinted
 
 SETTLED_S = 0.25
@@ -79,6 +79,8 @@ class Watch:
         path = places.folder(folder)
         if not path.is_dir():
             raise InputError(f"{path}: is no folder; make it first, or name another one")
+        if is_results(path):
+            raise InputError(f"{path}: {nothing_in(path)}")
         if not patience_s >= 0.0:
             raise InputError(f"patience_s={patience_s:g}: is no time to wait; give 0 or more seconds")
         kept = places.folder(results)

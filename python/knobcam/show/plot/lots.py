@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .style import (
     BACKWARD,
+    BLACK,
     BLUE,
     FORWARD,
     GREEN,
@@ -27,6 +29,8 @@ from .style import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from matplotlib.axes import Axes
 
     from ...base.arrays import FloatArray
@@ -35,7 +39,7 @@ if TYPE_CHECKING:
 _ACROSS = 3  # pictures in a row
 _MOST_CURVES = 400
 _FULL = 10.0  # standard errors at which a colour is full
-_MOST_LOTS, _WIDEST, _NUMBERED, _TICKS = 30, 14.0, 12, 12  # lots that are told apart, inches, lots
+_MOST_LOTS, _WIDEST, _NUMBERED, _TICKS = 20, 14.0, 12, 12  # lots that are told apart, inches, lots
 _FAR = 4.0  # widths of what is usual: a limit beyond would flatten all the rest
 _ROOM = 0.15  # of a picture, above and below
 _DOTS = 1000  # captures, of which more are one image, and not a mark each, in a page
@@ -53,16 +57,20 @@ _SAID = {
 def batch(result: BatchResult) -> Picture:
     """Verdicts of each lot, and how often each effect was found missing."""
     lots, names = _worst(result), list(result.found)
-    count = {kind: [sum(_kind(row) == kind for row in some) for some in lots.values()] for kind in _SAID}
+    called = [f"{lot} ({len(some)})" for lot, some in lots.items()]
     figure = Picture(12.0, max(2.6, 1.6 + 0.35 * max(len(lots), len(names))), result.headline)
     left, right = figure.subplots(1, 2)
     before = np.zeros(len(lots))
     for kind, (label, colour) in _SAID.items():
-        if any(count[kind]):
-            left.barh(list(lots), count[kind], left=before, color=colour, label=label, height=0.7)
-            before += count[kind]
+        share = _shares(lots, partial(_is, kind))
+        if share.any():
+            left.barh(called, share, left=before, color=colour, label=label, height=0.7)
+            before += share
+    bad = _shares(lots, lambda row: row["ok"] is False)
+    if bad.any():
+        left.barh(called, bad, color=BLACK, label="not OK", height=0.2)
     left.invert_yaxis()
-    left.set_xlabel("captures")
+    left.set_xlabel("% of the captures of a lot, whose number stands beside its name")
     left.grid(axis="y", visible=False)
     legend_above(left)
     right.barh(names, [result.found[name] for name in names], color=GREEN, height=0.7)
@@ -78,16 +86,22 @@ def batch(result: BatchResult) -> Picture:
 
 
 def _worst(result: BatchResult) -> dict[str, list[dict[str, Any]]]:
-    """Return the rows of each lot by what it is called; of many lots, of those with least that is whole."""
+    """Return the rows of each lot by what it is called; of many lots, of those with most that is not well."""
     lots: dict[str, list[dict[str, Any]]] = {}
     for row in result.counted:
         lots.setdefault(row["lot"] or "", []).append(row)
-    share = {lot: np.mean([_kind(row) == "complete" for row in some]) for lot, some in lots.items()}
-    told = sorted(sorted(lots, key=lambda lot: (share[lot], lot))[:_MOST_LOTS])
+    well = _shares(lots, lambda row: row["ok"] is not False and _kind(row) == "complete")
+    worst = sorted(zip(well, lots, strict=True))[:_MOST_LOTS]
+    told = sorted(lot for _, lot in worst)
     found = {_lot(lot): lots[lot] for lot in told}
     if others := [lot for lot in lots if lot not in told]:
         found[f"{len(others)} other lots"] = [row for lot in others for row in lots[lot]]
     return found
+
+
+def _shares(lots: dict[str, list[dict[str, Any]]], has: Callable[[dict[str, Any]], bool]) -> FloatArray:
+    """Return which share of each lot's captures has something, per cent."""
+    return np.array([100.0 * sum(map(has, some)) / len(some) for some in lots.values()])
 
 
 @styled
@@ -138,6 +152,10 @@ def _kind(row: dict[str, object]) -> str:
     if row["error"] is not None:
         return "error"
     return str(row["verdict"] or "not_weighed")
+
+
+def _is(kind: str, row: dict[str, Any]) -> bool:
+    return _kind(row) == kind
 
 
 def _lot(lot: str) -> str:
