@@ -276,7 +276,7 @@ def test_a_form_takes_the_motion_at_its_own_rate_and_the_command_knows_every_for
     with pytest.raises(kc.InputError, match="motion: has 5000 samples a second; give one of rate_hz=1000"):
         convert("knob1", "c", motion=MOTIONS["hand"], rate_hz=1000.0)
     made = convert("knob1", "c", motion="hand", rate_hz=1000.0, without=["viscous"])
-    assert right(made) and "Left out: viscous (by request)." in str(made.form.content)
+    assert right(made) and "Left out: viscous (by request), " in str(made.form.content)
 
 
 def test_a_function_in_python_is_impossible_outside_of_it_and_rendered_in_mujoco() -> None:
