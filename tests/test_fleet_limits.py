@@ -133,6 +133,18 @@ def test_a_curve_beyond_its_band_has_the_parameter_for_its_cause_that_is_unlike_
     )
 
 
+def test_a_part_is_told_by_its_cause_and_what_that_does_not_name(row: Row, tmp_path: Path):
+    rows = [made(number, "a", row, verdict="complete") for number in range(20)]
+    rows[4]["params"]["coulomb.pos"] = [0.0124, 0.0123, 0.0125]
+    rows[4]["curve"] = {**row["curve"], "forward": [1.0] * len(row["curve"]["forward"])}
+    band = "[curve.forward]\ntheta = [-0.8, 0.8]\nmin = [-0.5, -0.5]\nmax = [0.5, 0.5]"
+    held = limits(tmp_path, f"[parameters]\ncoulomb.pos = {{ max = 0.0100 }}\n{band}")
+    told = judged(rows, held)
+    assert len(told[4]["failed_why"]) == 2
+    (one,) = BatchResult(tmp_path, tuple(told), frozenset(), limits=held).text_rows()
+    assert one[-1].startswith("the forward curve is 1 N m at") and one[-1].count("coulomb.pos") == 1
+
+
 def test_an_effect_that_was_found_is_said_with_its_size_and_how_many_of_the_lot_have_it(row: Row):
     gap = {"params": {**row["params"], "backlash.gap": [0.0102, 0.0098, 0.0106]}, "found": ["backlash"]}
     gap |= {"units": {**row["units"], "backlash.gap": "rad"}, "verdict": "missing"}

@@ -166,6 +166,7 @@ def test_the_report_is_one_page_with_what_failed_and_why_and_nothing_in_it_is_ma
     rng = np.random.default_rng(6)
     rows = several(rng, 12) + several(rng, 12, "<b>B", coulomb=1.2)
     rows[3] |= {"ok": False, "failed_why": ["coulomb.pos is <script> high"], "cause": "coulomb: dry friction"}
+    rows[3]["failed_limits"] = ["coulomb.pos"]
     rows[5] |= {"error": "A/005: is empty", "params": {}, "units": {}, "curve": None}
     store = Store.open(tmp_path / "r", Settings())
     store.put(rows)

@@ -128,9 +128,7 @@ class BatchResult(showing.Tabled):
         for row in self.counted:
             if row["error"] is not None or row["ok"] is False or row["outlier"] or row["found"]:
                 ok = {True: "OK", False: "NOK", None: ""}[row["ok"]]
-                why = row["error"] or "; ".join(
-                    [*row["failed_why"], *([row["cause"]] if row["cause"] else [])]
-                )
+                why = row["error"] or "; ".join(_why(row))
                 told.append((row["capture"], row["verdict"] or "", ", ".join(row["found"]), ok, why))
         return told
 
@@ -189,3 +187,10 @@ class BatchResult(showing.Tabled):
     def report(self, path: str | os.PathLike[str]) -> Path:
         """Write all of it as one HTML file that needs nothing else, and return its path."""
         return showing.report(self, path)
+
+
+def _why(row: dict[str, Any]) -> list[str]:
+    """Return what a part fails by and why; of a parameter that its cause names only the cause."""
+    cause = row["cause"] or ""
+    each = zip(row["failed_limits"], row["failed_why"], strict=True)
+    return [why for limit, why in each if f"({limit})" not in cause] + ([cause] if cause else [])

@@ -183,7 +183,10 @@ def batch_parameters(result: BatchResult) -> Picture:
         axes.vlines(at, ends[:, 0], ends[:, 1], color=PALE, lw=1.0, rasterized=thick)
         axes.plot(at[~bad], value[~bad], ".", color=BLUE, ms=2.0 if thick else 4.0, rasterized=thick)
         axes.plot(at[bad], value[bad], "x", color=WRONG, ms=5.0, rasterized=thick)
-        low, high = _range(*study.ordinary(name), edges)
+        wide = np.abs(ends - value[:, np.newaxis])
+        half = float(np.median(wide[np.isfinite(wide)])) if np.isfinite(wide).any() else 0.0
+        low, high = study.ordinary(name)
+        low, high = _range(low - half, high + half, edges)
         axes.set_ylim(low, high)
         for edge in edges:
             _limit(axes, edge, low, high)
@@ -319,7 +322,7 @@ def _beyond(
 
 def _short(name: str) -> str:
     """Return the end of a capture's name, which tells it from its neighbours."""
-    return plain("/".join(name.split("/")[-2:]), 32)
+    return plain("/".join(name.split("/")[-3:]), 32)
 
 
 def _grid(count: int, title: str) -> tuple[Picture, list[Axes]]:
