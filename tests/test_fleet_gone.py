@@ -139,6 +139,7 @@ def test_results_behind_an_address_are_no_captures(tmp_path: Path):
     found = sources(["memory://line"])
     assert [one.name for one in found] == ["memory:///line/a.csv"]
     known = {name: f"memory://{name}" for name in ("/line/a.csv", "/line/away.csv", "/other/away.csv")}
+    assert found[0].labels == sources(["memory://line/a.csv"])[0].labels == {}
     # What lies where nobody looked is not asked for.
     assert gone({place: place for place in known.values()}, found, ["memory://line"]) == {
         known["/line/away.csv"]

@@ -65,6 +65,13 @@ def find(address: str) -> list[Found]:
     return [_described(_named(address, store, one["name"]), one) for one in found if one["type"] == "file"]
 
 
+def below(address: str) -> str:
+    """Return how the names begin of all that `find` looks at for an address."""
+    folder = _before_pattern(address) if "*" in address else address
+    store, path = _store(folder.rstrip("/"))
+    return f"{_named(address, store, path.rstrip('/'))}/"
+
+
 @contextmanager
 def opened(place: str) -> Iterator[IO[bytes]]:
     """Open a file of this machine or behind an address for reading."""

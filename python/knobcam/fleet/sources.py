@@ -81,7 +81,7 @@ def gone(
     """
     here = {one.name for one in found}
     taken = {readable(one.place) for one in found}
-    heads = tuple(_head(os.fspath(one)) for one in given if places.is_address(os.fspath(one)))
+    heads = tuple(places.below(os.fspath(one)) for one in given if places.is_address(os.fspath(one)))
     return frozenset(
         name
         for name, place in known.items()
@@ -93,10 +93,6 @@ def _is_gone(place: str, heads: tuple[str, ...]) -> bool:
     if places.is_address(place):
         return place.startswith(heads) and not places.find(place)
     return not os.path.lexists(place)
-
-
-def _head(address: str) -> str:
-    return address.split("*")[0].rstrip("/") + ("" if "*" in address else "/")
 
 
 def is_results(folder: str | os.PathLike[str]) -> bool:
@@ -115,11 +111,11 @@ def _named(given: str, besides: Path | None) -> Iterator[Source]:
     if not given:
         raise InputError("SOURCES: '' names nothing; is a variable of the shell empty?")
     if places.is_address(given):
-        head = given.split("*")[0].rstrip("/") + "/"
-        every = places.find(given)
+        every, head = places.find(given), places.below(given)
         results = tuple(one.place.removesuffix(RESULTS) for one in every if one.place.endswith(f"/{RESULTS}"))
         for one in every:
-            within = one.place.removeprefix(head)
+            # The one that was asked for lies below nothing.
+            within = one.place.removeprefix(head) if one.place.startswith(head) else Path(one.place).name
             hidden = any(part.startswith((".", "_")) for part in within.split("/"))
             if not (hidden or one.place.startswith(results)):
                 yield from _of_file(one, within)
