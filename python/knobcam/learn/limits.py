@@ -28,6 +28,7 @@ _NUMBERS = (
 )
 _MOST_BYTES = 100_000
 _ROUNDING = 1e-9
+_FURTHEST = 1e9
 
 
 @dataclass(frozen=True)
@@ -81,6 +82,11 @@ class Limits:
             sample_rate_hz=prepared[0].core.rate_hz,
             coordinate=prepared[0].capture.coordinate,
         )
+
+    @classmethod
+    def furthest(cls) -> Limits:
+        """Return limits that nothing reaches, beside which a file of them is read."""
+        return cls(_FURTHEST, _FURTHEST, _FURTHEST, -_FURTHEST, _FURTHEST, MOST_S)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], usual: Limits) -> Limits:
