@@ -194,7 +194,7 @@ def realised(
     rivals: tuple[Rival, ...], truth: str, story: kc.LearningResult, captures: list[kc.Capture], track: Any
 ) -> list[tuple[float, float]]:
     """Of the true rival beside each other one D as expected of a motion, and as it came."""
-    told = Telling(rivals).evidence(track)
+    told = Telling(rivals).evidence(track).d
     at = next(i for i, one in enumerate(rivals) if one.effects == (truth,))
     # Looked for anew: a period that one capture hardly told may have been a wrong one.
     base = kc.fit(captures, story.ladder[0].fit.model)

@@ -121,7 +121,7 @@ def test_a_rival_that_no_torque_there_is_could_turn_is_left_out_and_said_to_be(
 def test_what_is_expected_comes_true_on_the_motion_that_is_designed(weak: kc.LearningResult) -> None:
     designed = kc.next_experiment(weak, rivals=["base", "stribeck"], search_s=1.5)
     (expected,) = designed.expected
-    told = Telling(designed.rivals).evidence(designed.track)[1, 0]
+    told = Telling(designed.rivals).evidence(designed.track).d[1, 0]
     # The knob of the rival, recorded on the motion, without noise: what the base model then leaves.
     right = designed.rivals[1].fit.model
     second = kc.simulate(right, designed.track, noise="none")
@@ -141,8 +141,8 @@ def test_fewer_samples_that_count_as_more_tell_what_more_samples_do(weak: kc.Lea
         made = plan(pieces, limits)
         full, thinned = (made.track(rate) for rate in (5000.0, 1250.0))
         if np.abs(full.omega).max() > 0.05:
-            whole = told.evidence(full)
-            assert told.evidence(thinned, 5000.0) == pytest.approx(whole, rel=0.25, abs=0.5), made.about
+            whole = told.evidence(full).d
+            assert told.evidence(thinned, 5000.0).d == pytest.approx(whole, rel=0.25, abs=0.5), made.about
             few = alone.errors(thinned, 5000.0)
             assert few == pytest.approx(alone.errors(full), rel=0.2), made.about
 

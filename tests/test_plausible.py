@@ -21,7 +21,7 @@ from knobcam.learn.contenders import BASE
 from knobcam.learn.designing import _Design, _widened
 from knobcam.learn.experiment import Change, Expected, Experiment, Sharpened, _percent
 from knobcam.learn.limits import Limits
-from knobcam.learn.telling import TOLD, Rival, apart
+from knobcam.learn.telling import TOLD, Rival, Told, apart
 
 SURE = {"inertia.M": (1e-4, 1e-6), "coulomb.neg": (0.02, 1e-4), "coulomb.pos": (0.02, 1e-4)}
 SURE |= {"viscous.neg": (1e-3, 1e-5), "viscous.pos": (1e-3, 1e-5)}
@@ -261,8 +261,8 @@ def design(monkeypatch: pytest.MonkeyPatch, asks: float, told: float = 5.0, n: i
     telling: Any = SimpleNamespace(
         peak=peak,
         rivals=[SimpleNamespace(fit=fit)] * n,
-        evidence=lambda track, rate_hz: np.full((n, n), told * rate_hz / 1000.0),
-        pairs=lambda all_: [float(all_[i, j]) for i in range(len(all_)) for j in range(i)],
+        evidence=lambda track, rate_hz: Told(np.full((n, n), told * rate_hz / 1000.0), np.zeros(n)),
+        pairs=lambda all_: [float(all_.d[i, j]) for i in range(n) for j in range(i)],
     )
     return _Design(telling, LIMITS, None)
 
@@ -284,7 +284,7 @@ def test_a_motion_is_eased_until_no_rival_asks_for_more_than_there_is(monkeypatc
 def test_a_search_looks_at_fewer_samples_and_counts_them_all(monkeypatch: pytest.MonkeyPatch):
     track: Any = None
     one = design(monkeypatch, 0.1)
-    assert one._search_hz() == 500.0 and one._told(track)[0][1, 0] == pytest.approx(5.0)
+    assert one._search_hz() == 500.0 and one._told(track)[0].d[1, 0] == pytest.approx(5.0)
     fast = replace(LIMITS, sample_rate_hz=5000.0)
     assert replace(one, limits=fast)._search_hz() == 1250.0
     slow = replace(design(monkeypatch, 0.1), limits=replace(LIMITS, sample_rate_hz=200.0))

@@ -20,10 +20,9 @@ from .contenders import contenders
 from .experiment import Change, Expected, Experiment, NoMotion, Sharpened
 from .limits import MOST_S, Limits
 from .motion_space import Piece, bank, changed, plan, standard
-from .telling import TOLD, Rival, Telling
+from .telling import TOLD, Rival, Telling, Told
 
 if TYPE_CHECKING:
-    from ..base.arrays import FloatArray
     from ..capture.motion_plan import MotionPlan
     from ..capture.motions import MotionTrack
     from ..model import Model
@@ -168,24 +167,15 @@ class _Design:
         twins = param is None and self._twins(first)
         pool = _best(first) if twins else self._searched(first, until, seed, _TRIES, self._plenty)
         if not pool:
-            raise NoMotion(
-                f"limits: torque_Nm = {self.limits.torque_Nm:.4g} moves no rival, omega_rad_s = "
-                f"{self.limits.omega_rad_s:.4g} is too slow for the sensors to know the direction, or "
-                f"duration_s = {self.limits.duration_s:.4g} is too short for any motion; give more",
-                self._enough(),
-            )
+            raise NoMotion(f"limits, {self._too_narrow()}; give more", self._enough())
         tracks = [self._runnable(pieces, draws=True) for pieces in pool]
         known = [(motion, self._told(motion[0].track(self._search_hz()))[1]) for motion in tracks if motion]
         if not known:
-            raise NoMotion(
-                "limits, torque_Nm: too little for what the rivals may ask for; give more", self._enough()
-            )
+            few = "limits, torque_Nm: too little for what the rivals may ask for; give more"
+            raise NoMotion(few, self._enough())
         (chosen, track), _ = max(known, key=lambda one: one[1])
-        peak = (
-            self.telling.peak(track, draws=True),
-            float(np.max(np.abs(track.omega))),
-            float(np.max(np.abs(track.alpha))),
-        )
+        omega, alpha = (float(np.max(np.abs(column))) for column in (track.omega, track.alpha))
+        peak = (self.telling.peak(track, draws=True), omega, alpha)
         rivals = self.telling.rivals
         if param is not None:
             before = rivals[0].fit.params[param].se
@@ -207,7 +197,7 @@ class _Design:
             return found
         return replace(found, change=self._change(pool, seed))
 
-    def _told(self, track: MotionTrack) -> tuple[FloatArray, float]:
+    def _told(self, track: MotionTrack) -> tuple[Told, float]:
         """What a motion that is sampled as in the search tells at the full rate, and how good that is.
 
         As good as the least D of all pairs, but of two motions rather the one that tells more pairs enough:
@@ -215,12 +205,13 @@ class _Design:
         sensors to know its direction it is minus infinity.
         """
         n = len(self.telling.rivals)
+        nothing = Told(np.zeros((n, n)), np.zeros(n))
         try:
             if self.param is not None:
-                return np.zeros((n, n)), -self.telling.errors(track, self.limits.sample_rate_hz)[self.param]
+                return nothing, -self.telling.errors(track, self.limits.sample_rate_hz)[self.param]
             told = self.telling.evidence(track, self.limits.sample_rate_hz)
         except InputError:
-            return np.zeros((n, n)), -math.inf
+            return nothing, -math.inf
         every = self.telling.pairs(told)
         return told, sum(min(d, _ENOUGH) for d in every) + math.log1p(min(every))
 
@@ -252,7 +243,7 @@ class _Design:
         return True
 
     @cached_property
-    def _usual(self) -> list[FloatArray]:
+    def _usual(self) -> list[Told]:
         """What each of the standard motions tells."""
         return [self._told(one)[0] for one in self._standard(self._search_hz())]
 
@@ -285,7 +276,7 @@ class _Design:
         if (made := self._runnable(pieces, draws=False)) is not None:
             told, score = self._told(made[1])
             if score > -math.inf:
-                scored.append(_Scored(score, self.telling.least(told), float(told.max()), pieces))
+                scored.append(_Scored(score, self.telling.least(told), float(told.d.max()), pieces))
 
     def _search_hz(self) -> float:
         rate = self.limits.sample_rate_hz
@@ -331,6 +322,19 @@ class _Design:
             if (one := next(fits, None)) is not None:
                 tracks.append(one)
         return tracks
+
+    def _too_narrow(self) -> str:
+        """Return which limit lets no motion be, and what is wrong with it."""
+        limits = self.limits
+        if self.by_hand and replace(self, by_hand=False).moves():
+            return f"duration_s: {limits.duration_s:.4g} is too short, or the angles too narrow, for a hand"
+        gentle = (plan(one, limits, _EASE ** (_EASINGS - 1)).track(self._search_hz()) for one in bank())
+        peaks = [self.telling.peak(one, draws=False) for one in gentle if len(one.theta) >= _SHORTEST]
+        if not peaks:
+            return f"duration_s: {limits.duration_s:.4g} is too short for any motion"
+        if (least := min(peaks)) > limits.torque_Nm:
+            return f"torque_Nm: {limits.torque_Nm:.4g} moves no rival, the gentlest motion asks {least:.3g}"
+        return f"omega_rad_s: {limits.omega_rad_s:.4g} is too slow for the sensors to know the direction"
 
     def _enough(self) -> tuple[str, float] | None:
         """Return the smallest change of one limit with which there is a motion: which limit, and to what.
