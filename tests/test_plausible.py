@@ -18,7 +18,7 @@ from knobcam.fit.doubts import log_in_doubt
 from knobcam.fit.rule import RULE
 from knobcam.learn import designing
 from knobcam.learn.contenders import BASE
-from knobcam.learn.designing import _Design, _widened
+from knobcam.learn.designing import _Design
 from knobcam.learn.experiment import Change, Expected, Experiment, Sharpened, _percent
 from knobcam.learn.limits import Limits
 from knobcam.learn.telling import TOLD, Rival, Told, apart
@@ -243,9 +243,9 @@ def test_an_experiment_says_what_it_tells_and_what_it_would_take():
 
 
 def test_a_limit_is_widened_and_the_others_are_not():
-    assert _widened(LIMITS, "torque_Nm", 2.0) == replace(LIMITS, torque_Nm=0.4)
+    assert LIMITS.widened("torque_Nm", 2.0) == replace(LIMITS, torque_Nm=0.4)
     # The range about its middle.
-    assert _widened(LIMITS, "theta", 2.0) == replace(LIMITS, theta_min_rad=-3.0, theta_max_rad=5.0)
+    assert LIMITS.widened("theta", 2.0) == replace(LIMITS, theta_min_rad=-3.0, theta_max_rad=5.0)
 
 
 def design(monkeypatch: pytest.MonkeyPatch, asks: float, told: float = 5.0, n: int = 2) -> _Design:

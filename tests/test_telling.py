@@ -12,6 +12,7 @@ import pytest
 import knobcam as kc
 from knobcam.fit.price import charged
 from knobcam.fit.rule import RULE
+from knobcam.learn import telling
 from knobcam.learn.contenders import contenders
 from knobcam.learn.telling import TOLD, Rival, Telling, Told, wrong_choice
 
@@ -55,7 +56,7 @@ def test_the_more_a_motion_leaves_of_both_the_seldomer_the_wrong_one_is_chosen()
         assert (np.diff(every) > 0.0).all()
 
 
-def test_what_a_motion_makes_dearer_is_told_where_it_is_wrong_and_is_harder_to_tell_where_it_is_right() -> None:
+def test_what_a_motion_makes_dearer_is_told_where_it_is_wrong_and_hardly_where_it_is_right() -> None:
     # Where the polynomial is right it has to tell by so much more.
     assert d_of(1.0, 2.0, 60.0, dearer=5.0) > TOLD > d_of(1.0, 2.0, 60.0)
     assert d_of(0.0, 30.0, 12.0, dearer=8.0) < TOLD < d_of(0.0, 30.0, 12.0)
@@ -84,6 +85,18 @@ def test_what_captures_say_of_a_tie_is_the_odds_that_learn_has(alike: kc.Learnin
     for at, other in zip(*np.triu_indices(len(rivals), 1), strict=True):
         odds = 2.0 * math.log(weight[at] / weight[other])
         assert leads[at, other] == pytest.approx(odds, abs=0.3)
+
+
+def test_a_knob_that_stands_still_tells_nothing_apart_however_much_captures_say(
+    alike: kc.LearningResult, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asks = Telling(contenders(alike, ()))
+    nothing = Told(np.zeros((len(asks.rivals),) * 2), np.zeros(len(asks.rivals)))
+    assert asks.least(nothing) < TOLD
+    monkeypatch.setattr(telling, "_left", lambda fit: 10.5 * asks.white * (fit is not asks.rivals[0].fit))
+    beyond = Telling(asks.rivals)
+    assert 5.0 < beyond.leads[0, 1] < RULE.alike
+    assert beyond.between(nothing, 0, 1) < TOLD
 
 
 def test_what_captures_tell_already_has_no_odds(alike: kc.LearningResult) -> None:

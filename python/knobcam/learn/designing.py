@@ -18,7 +18,7 @@ from ..capture.by_hand import hand_can, on_beats
 from ..errors import InputError
 from .contenders import contenders
 from .experiment import Change, Expected, Experiment, NoMotion, Sharpened
-from .limits import MOST_S, Limits
+from .limits import Limits
 from .motion_space import Piece, bank, changed, plan, standard
 from .telling import TOLD, Rival, Telling, Told
 
@@ -157,17 +157,18 @@ class _Design:
 
     def moves(self) -> bool:
         """Whether any motion that a search begins with keeps to the limits."""
-        return any(self._runnable(pieces, draws=False) is not None for pieces in bank())
+        able = (one for one in bank() if self._least(self._gentle(one)) <= self.limits.torque_Nm)
+        return any(self._runnable(pieces, draws=False) is not None for pieces in able)
 
     def best(self, search_s: float, seed: int) -> Experiment:
         """Return the best motion that is found in so long, and what it tells."""
         param = self.param
         until = time.monotonic() + search_s
         first = self._banked(until)
+        if not first:
+            raise NoMotion(f"limits, {self._too_narrow()}; give more", self._enough())
         twins = param is None and self._twins(first)
         pool = _best(first) if twins else self._searched(first, until, seed, _TRIES, self._plenty)
-        if not pool:
-            raise NoMotion(f"limits, {self._too_narrow()}; give more", self._enough())
         tracks = [self._runnable(pieces, draws=True) for pieces in pool]
         known = [(motion, self._told(motion[0].track(self._search_hz()))[1]) for motion in tracks if motion]
         if not known:
@@ -233,7 +234,7 @@ class _Design:
             return False
         limits = self.limits
         for name in ("omega_rad_s", "alpha_rad_s2", "torque_Nm", "theta"):
-            limits = _widened(limits, name, max(_FASTER))
+            limits = limits.widened(name, max(_FASTER))
         wider = replace(self, limits=limits)
         for pieces in bank():
             scored: list[_Scored] = []
@@ -294,7 +295,7 @@ class _Design:
                 if not hand_can(steps_by_hand(made, self.telling.coordinate)):
                     return None
             track = made.track(rate)
-            if len(track.theta) < _SHORTEST:
+            if len(track.theta) < _SHORTEST or not track.omega.any():
                 return None
             asked = self.telling.peak(track, draws=draws) * (1.0 if draws else self._doubt)
             if self.limits.hold(track) and asked <= self.limits.torque_Nm:
@@ -323,17 +324,26 @@ class _Design:
                 tracks.append(one)
         return tracks
 
+    def _gentle(self, pieces: tuple[Piece, ...]) -> MotionTrack:
+        """Return the motion of some pieces as small as it is made at all."""
+        return plan(pieces, self.limits, _EASE ** (_EASINGS - 1)).track(self._search_hz())
+
+    def _least(self, track: MotionTrack) -> float:
+        """Return the torque that rivals ask for; none of a motion that is too short for a filter."""
+        return self.telling.peak(track, draws=False) if len(track.theta) >= _SHORTEST else 0.0
+
     def _too_narrow(self) -> str:
         """Return which limit lets no motion be, and what is wrong with it."""
         limits = self.limits
         if self.by_hand and replace(self, by_hand=False).moves():
             return f"duration_s: {limits.duration_s:.4g} is too short, or the angles too narrow, for a hand"
-        gentle = (plan(one, limits, _EASE ** (_EASINGS - 1)).track(self._search_hz()) for one in bank())
-        peaks = [self.telling.peak(one, draws=False) for one in gentle if len(one.theta) >= _SHORTEST]
-        if not peaks:
-            return f"duration_s: {limits.duration_s:.4g} is too short for any motion"
-        if (least := min(peaks)) > limits.torque_Nm:
-            return f"torque_Nm: {limits.torque_Nm:.4g} moves no rival, the gentlest motion asks {least:.3g}"
+        whole = [one for one in map(self._gentle, bank()) if one.omega.any() and limits.hold(one)]
+        whole = [one for one in whole if len(one.theta) >= _SHORTEST]
+        if not whole:
+            fast = f"omega_rad_s = {limits.omega_rad_s:.4g}"
+            return f"duration_s: {limits.duration_s:.4g} is too short for any motion at {fast}"
+        if (least := min(map(self._least, whole))) > limits.torque_Nm:
+            return f"torque_Nm: {limits.torque_Nm:.4g} moves no rival, the gentlest motion takes {least:.3g}"
         return f"omega_rad_s: {limits.omega_rad_s:.4g} is too slow for the sensors to know the direction"
 
     def _enough(self) -> tuple[str, float] | None:
@@ -344,7 +354,7 @@ class _Design:
         until = time.monotonic() + _CHANGE_S
         for times in _FASTER:
             for name in ("torque_Nm", "omega_rad_s", "duration_s"):
-                wider = replace(self, limits=_widened(self.limits, name, times))
+                wider = replace(self, limits=self.limits.widened(name, times))
                 for pieces in bank():
                     if time.monotonic() > until:
                         return None
@@ -361,7 +371,7 @@ class _Design:
         each_s = _CHANGE_S / (len(_FASTER) * len(limits))
         for times in _FASTER:
             for name in limits:
-                wider = _widened(self.limits, name, times)
+                wider = self.limits.widened(name, times)
                 other = replace(self, limits=wider)
                 scored: list[_Scored] = []
                 until = time.monotonic() + each_s
@@ -387,11 +397,3 @@ def _phases(model: Model) -> set[str]:
 
 def _best(scored: Sequence[_Scored]) -> list[tuple[Piece, ...]]:
     return [one.pieces for one in sorted(scored, key=lambda one: -one.score)[:_FINALISTS]]
-
-
-def _widened(limits: Limits, name: str, times: float) -> Limits:
-    if name != "theta":
-        wider = times * getattr(limits, name)
-        return replace(limits, **{name: min(wider, MOST_S) if name == "duration_s" else wider})
-    half = times * limits.half
-    return replace(limits, theta_min_rad=limits.middle - half, theta_max_rad=limits.middle + half)

@@ -136,6 +136,14 @@ class Limits:
         """Half of the range of angles."""
         return 0.5 * (self.theta_max_rad - self.theta_min_rad)
 
+    def widened(self, name: str, times: float) -> Limits:
+        """Return them with one so many times as wide; `theta` widens both angles about their middle."""
+        if name != "theta":
+            wider = times * self.numbers[name]
+            return replace(self, **{name: min(wider, MOST_S) if name == "duration_s" else wider})
+        half = times * self.half
+        return replace(self, theta_min_rad=self.middle - half, theta_max_rad=self.middle + half)
+
     def hold(self, track: MotionTrack) -> bool:
         """Whether a motion stays within them; the torque, which depends on a knob, apart."""
         more = 1.0 + _ROUNDING

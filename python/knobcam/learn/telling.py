@@ -44,6 +44,7 @@ _SURE = 3.0  # standard deviations of a speed from which on its sign is known
 _IMITATED = (
     0.1  # of the D the other way: what a model leaves that contains another but for what it has to learn
 )
+_MOST_LEAD = 5.8  # hardly less than what tells two apart: what captures leave tied a motion has to tell
 _TIED = 2.0  # times what tells two apart: rivals that tied are fitted to their end, which moves the odds
 _NORMAL = NormalDist()
 _EDGE = 0.1  # of the rate: the edge of the torque's filter where the captures have none
@@ -220,9 +221,9 @@ class Telling:
     def leads(self) -> FloatArray:
         """What captures say already of a row's rival beside a column's: twice the logarithm of the odds.
 
-        As `learn` weighs them, by what each leaves and the price of its parameters, to what counts as told;
-        not a number where captures tell them far beyond that, by that price and by the one that effects come
-        in for.
+        As `learn` weighs them, by what each leaves and the price of its parameters, to nearly what counts as
+        told; not a number where captures tell them far beyond that, by that price and by the one that effects
+        come in for.
         """
         if not self.white > 0.0:
             return np.full((len(self.rivals), len(self.rivals)), np.nan)
@@ -233,7 +234,7 @@ class Telling:
         full = left + RULE.price * np.array([count(one.fit, one.effects) for one in self.rivals])
         odds, near = (cost[None, :] - cost[:, None] for cost in (plain, full))
         tied = np.minimum(np.abs(odds), np.abs(near)) <= _TIED * RULE.alike
-        return np.where(tied, np.clip(odds, -RULE.alike, RULE.alike), np.nan)
+        return np.where(tied, np.clip(odds, -_MOST_LEAD, _MOST_LEAD), np.nan)
 
     def between(self, told: Told, one: int, other: int) -> float:
         """Return D of a pair of rivals: what makes the wrong choice as rare as a motion and captures do.
