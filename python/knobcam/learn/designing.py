@@ -157,8 +157,7 @@ class _Design:
 
     def moves(self) -> bool:
         """Whether any motion that a search begins with keeps to the limits."""
-        able = (one for one in bank() if self._least(self._gentle(one)) <= self.limits.torque_Nm)
-        return any(self._runnable(pieces, draws=False) is not None for pieces in able)
+        return any(self._runnable(pieces, draws=False) is not None for pieces in bank())
 
     def best(self, search_s: float, seed: int) -> Experiment:
         """Return the best motion that is found in so long, and what it tells."""
@@ -166,14 +165,14 @@ class _Design:
         until = time.monotonic() + search_s
         first = self._banked(until)
         if not first:
-            raise NoMotion(f"limits, {self._too_narrow()}; give more", self._enough())
+            raise self._none()
         twins = param is None and self._twins(first)
         pool = _best(first) if twins else self._searched(first, until, seed, _TRIES, self._plenty)
         tracks = [self._runnable(pieces, draws=True) for pieces in pool]
         known = [(motion, self._told(motion[0].track(self._search_hz()))[1]) for motion in tracks if motion]
         if not known:
             few = "limits, torque_Nm: too little for what the rivals may ask for; give more"
-            raise NoMotion(few, self._enough())
+            raise NoMotion(few, self._enough("torque_Nm"))
         (chosen, track), _ = max(known, key=lambda one: one[1])
         omega, alpha = (float(np.max(np.abs(column))) for column in (track.omega, track.alpha))
         peak = (self.telling.peak(track, draws=True), omega, alpha)
@@ -324,45 +323,41 @@ class _Design:
                 tracks.append(one)
         return tracks
 
-    def _gentle(self, pieces: tuple[Piece, ...]) -> MotionTrack:
-        """Return the motion of some pieces as small as it is made at all."""
-        return plan(pieces, self.limits, _EASE ** (_EASINGS - 1)).track(self._search_hz())
-
-    def _least(self, track: MotionTrack) -> float:
-        """Return the torque that rivals ask for; none of a motion that is too short for a filter."""
-        return self.telling.peak(track, draws=False) if len(track.theta) >= _SHORTEST else 0.0
-
-    def _too_narrow(self) -> str:
-        """Return which limit lets no motion be, and what is wrong with it."""
-        limits = self.limits
+    def _none(self) -> NoMotion:
+        """Return what is said where no motion is within the limits: which of them is at fault."""
+        limits, limit, least = self.limits, "duration_s", 0.0
+        gentle = (plan(one, limits, _EASE ** (_EASINGS - 1)).track(self._search_hz()) for one in bank())
+        moving = [one for one in gentle if one.omega.any() and limits.hold(one)]
+        able = [one for one in moving if len(one.theta) >= _SHORTEST]
         if self.by_hand and replace(self, by_hand=False).moves():
-            return f"duration_s: {limits.duration_s:.4g} is too short, or the angles too narrow, for a hand"
-        whole = [one for one in map(self._gentle, bank()) if one.omega.any() and limits.hold(one)]
-        whole = [one for one in whole if len(one.theta) >= _SHORTEST]
-        if not whole:
-            fast = f"omega_rad_s = {limits.omega_rad_s:.4g}"
-            return f"duration_s: {limits.duration_s:.4g} is too short for any motion at {fast}"
-        if (least := min(map(self._least, whole))) > limits.torque_Nm:
-            return f"torque_Nm: {limits.torque_Nm:.4g} moves no rival, the gentlest motion takes {least:.3g}"
-        return f"omega_rad_s: {limits.omega_rad_s:.4g} is too slow for the sensors to know the direction"
+            fault = f"{limits.duration_s:.4g} is too short, or the angles too near, for a hand"
+        elif not able:
+            fault = f"{limits.duration_s:.4g} is too short for any motion at {limits.omega_rad_s:.4g} rad/s"
+        elif (least := min(self.telling.peak(one, draws=True) for one in able)) > limits.torque_Nm:
+            fault = f"{limits.torque_Nm:.4g} moves no rival, the gentlest motion takes {least:.3g}"
+            limit = "torque_Nm"
+        else:
+            fault = f"{limits.omega_rad_s:.4g} is too slow for the sensors to know the direction"
+            limit = "omega_rad_s"
+        return NoMotion(f"limits, {limit}: {fault}; give more", self._enough(limit, least))
 
-    def _enough(self) -> tuple[str, float] | None:
-        """Return the smallest change of one limit with which there is a motion: which limit, and to what.
+    def _enough(self, limit: str, least: float = 0.0) -> tuple[str, float] | None:
+        """Return the smallest change of a limit with which there is a motion: which limit, and to what.
 
-        None where none was found in the time that there is for it.
+        It is more than `least` of it. None where none was found in the time that there is for it.
         """
         until = time.monotonic() + _CHANGE_S
         for times in _FASTER:
-            for name in ("torque_Nm", "omega_rad_s", "duration_s"):
-                wider = replace(self, limits=self.limits.widened(name, times))
-                for pieces in bank():
-                    if time.monotonic() > until:
-                        return None
-                    if self.between is not None:
-                        self.between()
-                    made = wider._runnable(pieces, draws=True)
-                    if made and wider._told(made[0].track(wider._search_hz()))[1] > -math.inf:
-                        return name, getattr(wider.limits, name)
+            more = times * max(1.0, least / self.limits.numbers[limit])
+            wider = replace(self, limits=self.limits.widened(limit, more))
+            for pieces in bank():
+                if time.monotonic() > until:
+                    return None
+                if self.between is not None:
+                    self.between()
+                made = wider._runnable(pieces, draws=True)
+                if made and wider._told(made[0].track(wider._search_hz()))[1] > -math.inf:
+                    return limit, wider.limits.numbers[limit]
         return None
 
     def _change(self, pool: list[tuple[Piece, ...]], seed: int) -> Change | None:
