@@ -140,7 +140,8 @@ class Limits:
         """Return them with one so many times as wide; `theta` widens both angles about their middle."""
         if name != "theta":
             wider = times * self.numbers[name]
-            return replace(self, **{name: min(wider, MOST_S) if name == "duration_s" else wider})
+            given: dict[str, Any] = {name: min(wider, MOST_S) if name == "duration_s" else wider}
+            return replace(self, **given)
         half = times * self.half
         return replace(self, theta_min_rad=self.middle - half, theta_max_rad=self.middle + half)
 
