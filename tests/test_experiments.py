@@ -138,7 +138,7 @@ def test_where_no_motion_is_within_limits_what_came_is_learned_and_that_is_said(
     with EmulatedRig(sprung_knob, speed=8.0) as rig:
         done = experiments(rig.port, 2, tmp_path, duration_s=3.0, without=COUPLINGS)
     assert done.learned.found == ("return_spring",) and len(done.logs) == 1
-    assert "torque_Nm = 1e-06 moves no rival" in done.ended
+    assert "torque_Nm: 1e-06 moves no rival" in done.ended
 
 
 @pytest.mark.parametrize(
