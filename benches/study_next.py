@@ -12,9 +12,9 @@ variances of the noise.
 `--twins` takes the same ties and asks within what their captures reached, and within a third of that:
 does it say rightly where no motion tells rivals apart? That it is so is what the simulator says of the
 designed motion and the standard ones, as large as those limits let them be: after none of them `learn` names
-the right one, and it alone. Beside it, as it was asked before: none leaves a realised D of 10.8. That is a
-kinder judge of the program, for where the plainer of two is right the price of the other's parameters tells
-them, at any D.
+the right one, and it alone. A recording is a draw, and one of five may tell by luck: it is said too how often
+most of them do. Beside it, as it was asked before: none leaves a realised D of 10.8. That is a kinder judge
+of the program: where the plainer of two is right the price of the other's parameters tells them, at any D.
 """
 
 import argparse
@@ -194,7 +194,7 @@ def realised(
     rivals: tuple[Rival, ...], truth: str, story: kc.LearningResult, captures: list[kc.Capture], track: Any
 ) -> list[tuple[float, float]]:
     """Of the true rival beside each other one D as expected of a motion, and as it came."""
-    told = Telling(rivals).evidence(track)
+    told = Telling(rivals).evidence(track).d
     at = next(i for i, one in enumerate(rivals) if one.effects == (truth,))
     # Looked for anew: a period that one capture hardly told may have been a wrong one.
     base = kc.fit(captures, story.ladder[0].fit.model)
@@ -289,6 +289,8 @@ def twins_table(rows: list[dict[str, Any]]) -> str:
             f"said to be told by no motion: {sum(same)} of {len(same)} that none told, "
             f"{sum(others)} of {len(others)} others, where told is: {words}"
         )
+    most = [one["declared"] for one in asked if 2 * sum(one["named"]) > len(one["named"])]
+    lines.append(f"of {len(most)} that most motions told, by learn: {sum(most)}")
     took = max((one["took_s"] for one in asked), default=0.0)
     return "\n".join([*lines, f"{took:.1f} s a design at most"])
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import sys
 import time
 from functools import partial
 from pathlib import Path
@@ -121,7 +122,7 @@ def test_a_rival_that_no_torque_there_is_could_turn_is_left_out_and_said_to_be(
 def test_what_is_expected_comes_true_on_the_motion_that_is_designed(weak: kc.LearningResult) -> None:
     designed = kc.next_experiment(weak, rivals=["base", "stribeck"], search_s=1.5)
     (expected,) = designed.expected
-    told = Telling(designed.rivals).evidence(designed.track)[1, 0]
+    told = Telling(designed.rivals).evidence(designed.track).d[1, 0]
     # The knob of the rival, recorded on the motion, without noise: what the base model then leaves.
     right = designed.rivals[1].fit.model
     second = kc.simulate(right, designed.track, noise="none")
@@ -141,8 +142,8 @@ def test_fewer_samples_that_count_as_more_tell_what_more_samples_do(weak: kc.Lea
         made = plan(pieces, limits)
         full, thinned = (made.track(rate) for rate in (5000.0, 1250.0))
         if np.abs(full.omega).max() > 0.05:
-            whole = told.evidence(full)
-            assert told.evidence(thinned, 5000.0) == pytest.approx(whole, rel=0.25, abs=0.5), made.about
+            whole = told.evidence(full).d
+            assert told.evidence(thinned, 5000.0).d == pytest.approx(whole, rel=0.25, abs=0.5), made.about
             few = alone.errors(thinned, 5000.0)
             assert few == pytest.approx(alone.errors(full), rel=0.2), made.about
 
@@ -242,3 +243,34 @@ def test_wrong_calls_end_in_one_line(tmp_path: Path, words: tuple[str, ...], lim
     file.write_text(limits, "utf-8")
     more = ("--limits", file) if limits else ()
     refused(knobcam("next", capture, *words, *more), said)
+
+
+@pytest.mark.parametrize(
+    ("narrow", "said"),
+    [
+        ({"torque_Nm": 1e-6}, "limits, torque_Nm: 1e-06 moves no rival, the gentlest motion takes 0.0"),
+        ({"duration_s": 0.01}, "limits, duration_s: 0.01 is too short for any motion"),
+    ],
+)
+def test_of_limits_that_no_motion_keeps_the_one_that_is_at_fault_is_named(
+    weak: kc.LearningResult, narrow: dict[str, float], said: str
+) -> None:
+    limits = dataclasses.replace(Limits.reached(weak.fit.prepared), **narrow)
+    with pytest.raises(kc.InputError, match=r".") as refusal:
+        kc.next_experiment(weak, rivals=["base", "stribeck"], limits=limits)
+    assert str(refusal.value).startswith(said)
+
+
+def test_a_call_that_is_wrong_is_refused_before_anything_is_learned(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def learn(*_: object, **__: object) -> None:
+        raise AssertionError("learned first")
+
+    monkeypatch.setattr(sys.modules["knobcam.learn"], "learn", learn)
+    limits = tmp_path / "rig.toml"
+    limits.write_text("torque = 0.1", "utf-8")
+    kc.simulate("knob4", duration_s=1.0).save(tmp_path / "a.npz")
+    refused(knobcam("next", tmp_path / "a.npz", "--limits", limits), "torque: is no limit")
+    refused(knobcam("next", tmp_path / "a.npz", "--rivals", "base,stribek"), "stribek")
+    refused(knobcam("next", tmp_path / "a.npz", "--rivals", "base"), "are not two")

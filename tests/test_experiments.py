@@ -101,6 +101,46 @@ def test_of_a_rig_that_stops_half_way_what_came_is_used_and_said(
     assert done.ended in repr(done) and done.document()["ended"] == done.ended
 
 
+@pytest.fixture
+def held(tmp_path: Path) -> Path:
+    """Limits narrower than the sweep that a first recording makes."""
+    path = tmp_path / "rig.toml"
+    path.write_text("omega_rad_s = 1.0\ntheta_min_rad = -0.3\ntheta_max_rad = 0.5\n", "utf-8")
+    return path
+
+
+def test_the_first_recording_is_made_smaller_where_limits_ask_for_that(tmp_path: Path, held: Path) -> None:
+    with EmulatedRig("knob4", speed=8.0) as rig:
+        done = experiments(rig.port, 1, tmp_path / "logs", duration_s=3.0, limits=held, without=COUPLINGS)
+    first = kc.load(done.logs[0])
+    assert -0.31 < first.theta.min() < -0.2 and 0.2 < first.theta.max() < 0.51
+    assert abs(first.omega).max() < 1.05
+
+
+def test_limits_that_are_none_are_refused_before_anything_moves(tmp_path: Path, held: Path) -> None:
+    held.write_text("torque = 0.1\n", "utf-8")
+    with EmulatedRig("knob4", speed=8.0) as rig:
+        words = ("learn", "--port", rig.port, "--records", tmp_path / "logs", "--limits")
+        refused(knobcam(*words, held), "torque: is no limit")
+        refused(knobcam(*words, tmp_path / "absent.toml"), "cannot be read")
+        held.write_text("theta_min_rad = 0.2\ntheta_max_rad = 0.5\n", "utf-8")
+        refused(knobcam(*words, held), "turn it by +0.35 rad (+20 degrees)")
+    assert not [*(tmp_path / "logs").iterdir()]
+
+
+def test_where_no_motion_is_within_limits_what_came_is_learned_and_that_is_said(
+    sprung_knob: kc.Model, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def none(rivals: tuple[Rival, ...], limits: Limits) -> kc.Experiment:
+        return design(rivals, dataclasses.replace(limits, torque_Nm=1e-6))
+
+    monkeypatch.setattr(experiments_module, "design", none)
+    with EmulatedRig(sprung_knob, speed=8.0) as rig:
+        done = experiments(rig.port, 2, tmp_path, duration_s=3.0, without=COUPLINGS)
+    assert done.learned.found == ("return_spring",) and len(done.logs) == 1
+    assert "torque_Nm: 1e-06 moves no rival" in done.ended
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [

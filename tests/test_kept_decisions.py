@@ -34,7 +34,7 @@ from knobcam.learn import (
     selection,
 )
 from knobcam.learn.limits import Limits
-from knobcam.learn.telling import Rival, Telling
+from knobcam.learn.telling import Rival, Telling, Told
 
 Random = np.random.Generator
 
@@ -194,7 +194,7 @@ def test_of_how_sure_names_are_among_any_rivals() -> None:
         told.put("  instead", [" ".join(contenders._instead((*effects[:2],), *pair)) for pair in untold])
     told.put("nobody", rivals.weights(None, "stribeck"))
     every = ("stribeck",), ("stribeck", "offset"), ("unbalance",), ()
-    said = np.random.default_rng(7)
+    said, prices = np.random.default_rng(7), np.random.default_rng(8)
     for _ in range(30):
         sets = [
             Rival(one, SimpleNamespace(core=SimpleNamespace(free=list(range(int(rng.integers(3, 6)))))))
@@ -202,12 +202,14 @@ def test_of_how_sure_names_are_among_any_rivals() -> None:
         ]
         asks = Telling(tuple(sets))
         asks.__dict__["leads"] = np.full((4, 4), math.nan)
-        d = np.array([[about(rng, 8.0) * one_of(rng, 1.0, 0.01) for _ in every] for _ in every])
+        left = np.array([[about(rng, 8.0) * one_of(rng, 1.0, 0.01) for _ in every] for _ in every])
+        d = Told(left, np.zeros(4))
         told.put("pairs D", asks.pairs(d))
         told.put("  least D", [asks.least(d)])
         odds = said.uniform(-RULE.alike, RULE.alike, (4, 4))
         asks.__dict__["leads"] = 0.5 * (odds - odds.T)
         told.put("  with odds D", asks.pairs(d))
+        told.put("  and prices D", asks.pairs(Told(left, prices.uniform(0.0, RULE.price, 4))))
     told.put("named", [one.name for one in sets])
     for _ in range(20):
         a, b = (estimate(rng, 1e-2) for _ in range(2))

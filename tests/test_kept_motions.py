@@ -17,7 +17,7 @@ from knobcam.learn import designing, motion_space
 from knobcam.learn.contenders import contenders
 from knobcam.learn.limitations import limitations
 from knobcam.learn.limits import Limits
-from knobcam.learn.telling import Telling, wrong_choice
+from knobcam.learn.telling import Telling, Told, wrong_choice
 
 MOTIONS = {
     "never slow": ((40.0, 0.1), (0.2, 4.1)),
@@ -77,11 +77,11 @@ def test_of_motions_and_what_they_would_tell(monkeypatch: pytest.MonkeyPatch) ->
         except InputError as error:
             told.put("evidence", str(error))
             continue
-        told.put("evidence D", list(evidence.ravel()))
+        told.put("evidence D", [*evidence.d.ravel(), *evidence.dearer])
         told.put("  pairs D", [*asks.pairs(evidence), asks.least(evidence)])
         told.put("  peaks", [asks.peak(track, draws=False), asks.peak(track, draws=True)])
         told.put("  errors", list(asks.errors(track).values()))
-    told.put("alone", [Telling(rivals[1:], 3).least(np.zeros((1, 1)))])
+    told.put("alone", [Telling(rivals[1:], 3).least(Told(np.zeros((1, 1)), np.zeros(1)))])
     told.put("wrong choices", [wrong_choice(d) for d in (0.0, 1.0, 10.8, 40.0)])
     told.put("limits", [list(Limits.reached(story.fit.prepared).numbers.values())])
     seconds = iter(range(10**6))

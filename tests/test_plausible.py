@@ -18,10 +18,10 @@ from knobcam.fit.doubts import log_in_doubt
 from knobcam.fit.rule import RULE
 from knobcam.learn import designing
 from knobcam.learn.contenders import BASE
-from knobcam.learn.designing import _Design, _widened
+from knobcam.learn.designing import _Design
 from knobcam.learn.experiment import Change, Expected, Experiment, Sharpened, _percent
 from knobcam.learn.limits import Limits
-from knobcam.learn.telling import TOLD, Rival, apart
+from knobcam.learn.telling import TOLD, Rival, Told, apart
 
 SURE = {"inertia.M": (1e-4, 1e-6), "coulomb.neg": (0.02, 1e-4), "coulomb.pos": (0.02, 1e-4)}
 SURE |= {"viscous.neg": (1e-3, 1e-5), "viscous.pos": (1e-3, 1e-5)}
@@ -243,9 +243,9 @@ def test_an_experiment_says_what_it_tells_and_what_it_would_take():
 
 
 def test_a_limit_is_widened_and_the_others_are_not():
-    assert _widened(LIMITS, "torque_Nm", 2.0) == replace(LIMITS, torque_Nm=0.4)
+    assert LIMITS.widened("torque_Nm", 2.0) == replace(LIMITS, torque_Nm=0.4)
     # The range about its middle.
-    assert _widened(LIMITS, "theta", 2.0) == replace(LIMITS, theta_min_rad=-3.0, theta_max_rad=5.0)
+    assert LIMITS.widened("theta", 2.0) == replace(LIMITS, theta_min_rad=-3.0, theta_max_rad=5.0)
 
 
 def design(monkeypatch: pytest.MonkeyPatch, asks: float, told: float = 5.0, n: int = 2) -> _Design:
@@ -261,8 +261,8 @@ def design(monkeypatch: pytest.MonkeyPatch, asks: float, told: float = 5.0, n: i
     telling: Any = SimpleNamespace(
         peak=peak,
         rivals=[SimpleNamespace(fit=fit)] * n,
-        evidence=lambda track, rate_hz: np.full((n, n), told * rate_hz / 1000.0),
-        pairs=lambda all_: [float(all_[i, j]) for i in range(len(all_)) for j in range(i)],
+        evidence=lambda track, rate_hz: Told(np.full((n, n), told * rate_hz / 1000.0), np.zeros(n)),
+        pairs=lambda all_: [float(all_.d[i, j]) for i in range(n) for j in range(i)],
     )
     return _Design(telling, LIMITS, None)
 
@@ -284,7 +284,7 @@ def test_a_motion_is_eased_until_no_rival_asks_for_more_than_there_is(monkeypatc
 def test_a_search_looks_at_fewer_samples_and_counts_them_all(monkeypatch: pytest.MonkeyPatch):
     track: Any = None
     one = design(monkeypatch, 0.1)
-    assert one._search_hz() == 500.0 and one._told(track)[0][1, 0] == pytest.approx(5.0)
+    assert one._search_hz() == 500.0 and one._told(track)[0].d[1, 0] == pytest.approx(5.0)
     fast = replace(LIMITS, sample_rate_hz=5000.0)
     assert replace(one, limits=fast)._search_hz() == 1250.0
     slow = replace(design(monkeypatch, 0.1), limits=replace(LIMITS, sample_rate_hz=200.0))

@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 import knobcam as kc
+from knobcam.fit.price import charged
 from knobcam.fit.rule import RULE
+from knobcam.learn import telling
 from knobcam.learn.contenders import contenders
-from knobcam.learn.telling import TOLD, Rival, Telling, wrong_choice
+from knobcam.learn.telling import TOLD, Rival, Telling, Told, wrong_choice
 
 RIVALS = tuple(
     Rival((one,), cast("Any", SimpleNamespace(core=SimpleNamespace(free=range(count)))))
@@ -20,11 +22,14 @@ RIVALS = tuple(
 )
 
 
-def d_of(lead: float, spring_right: float, polynomial_right: float) -> float:
-    """D of a spring and a polynomial, where so much speaks for the spring already."""
+def d_of(lead: float, spring_right: float, polynomial_right: float, dearer: float = 0.0) -> float:
+    """D of a spring and a polynomial, where so much speaks for the spring already.
+
+    `dearer` is what the polynomial's parameters cost more after the motion.
+    """
     asks = Telling(RIVALS)
     asks.__dict__["leads"] = np.array([[0.0, lead], [-lead, 0.0]])
-    told = np.array([[0.0, spring_right], [polynomial_right, 0.0]])
+    told = Told(np.array([[0.0, spring_right], [polynomial_right, 0.0]]), np.array([0.0, dearer]))
     assert asks.between(told, 1, 0) == asks.between(told, 0, 1), "which of both is named first is no matter"
     return asks.between(told, 0, 1)
 
@@ -51,6 +56,13 @@ def test_the_more_a_motion_leaves_of_both_the_seldomer_the_wrong_one_is_chosen()
         assert (np.diff(every) > 0.0).all()
 
 
+def test_what_a_motion_makes_dearer_is_told_where_it_is_wrong_and_hardly_where_it_is_right() -> None:
+    # Where the polynomial is right it has to tell by so much more.
+    assert d_of(1.0, 2.0, 60.0, dearer=5.0) > TOLD > d_of(1.0, 2.0, 60.0)
+    assert d_of(0.0, 30.0, 12.0, dearer=8.0) < TOLD < d_of(0.0, 30.0, 12.0)
+    assert d_of(0.0, 30.0, 12.0, dearer=-8.0) > TOLD
+
+
 def test_where_captures_tell_them_already_it_is_that_of_the_motion_alone() -> None:
     # The polynomial imitates the spring: they are told apart where it is right itself.
     assert d_of(math.nan, 1.0, 20.0) == 20.0
@@ -75,6 +87,31 @@ def test_what_captures_say_of_a_tie_is_the_odds_that_learn_has(alike: kc.Learnin
         assert leads[at, other] == pytest.approx(odds, abs=0.3)
 
 
+def test_a_knob_that_stands_still_tells_nothing_apart_however_much_captures_say(
+    alike: kc.LearningResult, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asks = Telling(contenders(alike, ()))
+    nothing = Told(np.zeros((len(asks.rivals),) * 2), np.zeros(len(asks.rivals)))
+    assert asks.least(nothing) < TOLD
+    monkeypatch.setattr(telling, "_left", lambda fit: 10.5 * asks.white * (fit is not asks.rivals[0].fit))
+    beyond = Telling(asks.rivals)
+    assert 5.0 < beyond.leads[0, 1] < RULE.alike
+    assert beyond.between(nothing, 0, 1) < TOLD
+
+
 def test_what_captures_tell_already_has_no_odds(alike: kc.LearningResult) -> None:
     both = contenders(alike, ("base", "return_spring"))
     assert math.isnan(Telling(both).leads[0, 1])
+
+
+def test_the_price_after_a_motion_is_the_one_that_a_fit_with_it_is_charged(alike: kc.LearningResult) -> None:
+    rivals = contenders(alike, ())
+    asks = Telling(rivals)
+    track = kc.motion("sweep", 8.0)
+    again = kc.simulate(rivals[0].fit.model, track, noise=kc.SensorNoise(tau_sd=6e-3), seed=9)
+    dearer = asks.evidence(track).dearer
+    assert (dearer > 1.0).all(), "a motion that is longer and wider makes any choice a better one"
+    for rival, more in zip(rivals, dearer, strict=True):
+        both = kc.fit([*alike.captures, again], rival.fit.model)
+        price = [math.log(fit.white_squares) * charged(fit, rival.effects) for fit in (both, rival.fit)]
+        assert more == pytest.approx(price[0] - price[1], abs=0.5), rival.effects

@@ -54,9 +54,15 @@ def run_next(args: Namespace) -> Answer:
     from ..base.writing import together
     from ..capture.by_hand import by_hand, hand_can, in_words
     from ..learn import learn
+    from ..learn.contenders import check_rivals
     from ..learn.designing import next_experiment
+    from ..learn.limits import Limits
 
+    # What is wrong with the call is said before the minutes that learning may take.
+    if args.limits is not None:
+        Limits.load(args.limits, Limits.furthest())
     captures = arguments.read_all(args)
+    check_rivals(rivals, captures[0].coordinate)
     with about(*args.captures):
         story = learn(captures, prepare=args.prepare, progress=status, **options)
     designed = next_experiment(

@@ -15,17 +15,21 @@ if TYPE_CHECKING:
     from .fitting import Fit
 
 
-def spared(row: Effect, parameters: Mapping[str, Estimate]) -> float:
+def spared(
+    row: Effect, parameters: Mapping[str, Estimate], errors: Mapping[str, float] | None = None
+) -> float:
     """Return how many parameters an effect is not charged for, of its own in a fit.
 
     A parameter costs twice the logarithm of its range over what is not known of it (Laplace's evidence, all
-    of the range as likely before), and no more than its price.
+    of the range as likely before), and no more than its price. `errors` are standard errors in place of those
+    of the fit, as after a motion that was not made yet.
     """
     rows = {f"{row.id}.{one.name}": one for one in row.params}
     not_charged = 0.0
     for name, known in parameters.items():
         if name in rows and known.determined and known.se > 0.0:
-            choice = (rows[name].upper - rows[name].lower) / known.se
+            se = known.se if errors is None else errors[name]
+            choice = (rows[name].upper - rows[name].lower) / se
             not_charged += 1.0 - min(max(2.0 * math.log(choice) / RULE.price, 0.0), 1.0)
     return not_charged
 
@@ -40,7 +44,7 @@ def count(fit: Fit, effects: Iterable[str]) -> int:
     return sum(not one.held for effect in effects for one in own(fit, effect).values())
 
 
-def charged(fit: Fit, effects: Sequence[str]) -> float:
-    """Return how many parameters of some effects in a fit are charged for."""
+def charged(fit: Fit, effects: Sequence[str], errors: Mapping[str, float] | None = None) -> float:
+    """Return how many parameters of some effects in a fit are charged for; `errors` as above."""
     rows = fit.model.catalogue()
-    return count(fit, effects) - sum(spared(rows[one], own(fit, one)) for one in effects)
+    return count(fit, effects) - sum(spared(rows[one], own(fit, one), errors) for one in effects)

@@ -13,6 +13,7 @@ from .telling import Rival
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from ..capture.formats.units import Coordinate
     from ..fit import Fit
     from .learning import LearningResult
 
@@ -29,9 +30,8 @@ def contenders(story: LearningResult, asked: Sequence[str]) -> tuple[Rival, ...]
     two.
     """
     if asked:
+        check_rivals(asked, story.model.coordinate)
         sets = [_parsed(one, story) for one in asked]
-        if len({frozenset(one) for one in sets}) < 2:
-            raise InputError(f"rivals: {', '.join(asked)}: are not two; name two or more that differ")
         return tuple(Rival(one, _fit(story, one)) for one in sets)
     found = story.found
     others = [_instead(found, added, other) for added, other in untold(story)]
@@ -70,11 +70,22 @@ def _instead(found: Sequence[str], added: str, other: str) -> tuple[str, ...]:
     return tuple(other if one == added else one for one in found)
 
 
-def _parsed(text: str, story: LearningResult) -> tuple[str, ...]:
+def check_rivals(asked: Sequence[str], coordinate: Coordinate) -> None:
+    """Raise InputError for names of rivals that are none, and where any are named but not two."""
+    sets = {frozenset(_names(one)) for one in asked}
+    for names in sets:
+        check_effects("rivals", sorted(names), coordinate)
+    if len(sets) == 1:
+        raise InputError(f"rivals: {', '.join(asked)}: are not two; name two or more that differ")
+
+
+def _names(text: str) -> tuple[str, ...]:
     names = tuple(one.strip() for one in text.split("+"))
-    if names == (BASE,):
-        return ()
-    check_effects("rivals", names, story.model.coordinate)
+    return () if names == (BASE,) else names
+
+
+def _parsed(text: str, story: LearningResult) -> tuple[str, ...]:
+    names = _names(text)
     base = story.ladder[0].fit.model.effects
     if there := [one for one in names if one in base]:
         raise InputError(f"rivals: {', '.join(there)}: is part of the base model; name what is beyond it")

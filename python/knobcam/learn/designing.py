@@ -18,12 +18,11 @@ from ..capture.by_hand import hand_can, on_beats
 from ..errors import InputError
 from .contenders import contenders
 from .experiment import Change, Expected, Experiment, NoMotion, Sharpened
-from .limits import MOST_S, Limits
+from .limits import Limits
 from .motion_space import Piece, bank, changed, plan, standard
-from .telling import TOLD, Rival, Telling
+from .telling import TOLD, Rival, Telling, Told
 
 if TYPE_CHECKING:
-    from ..base.arrays import FloatArray
     from ..capture.motion_plan import MotionPlan
     from ..capture.motions import MotionTrack
     from ..model import Model
@@ -165,27 +164,18 @@ class _Design:
         param = self.param
         until = time.monotonic() + search_s
         first = self._banked(until)
+        if not first:
+            raise self._none()
         twins = param is None and self._twins(first)
         pool = _best(first) if twins else self._searched(first, until, seed, _TRIES, self._plenty)
-        if not pool:
-            raise NoMotion(
-                f"limits: torque_Nm = {self.limits.torque_Nm:.4g} moves no rival, omega_rad_s = "
-                f"{self.limits.omega_rad_s:.4g} is too slow for the sensors to know the direction, or "
-                f"duration_s = {self.limits.duration_s:.4g} is too short for any motion; give more",
-                self._enough(),
-            )
         tracks = [self._runnable(pieces, draws=True) for pieces in pool]
         known = [(motion, self._told(motion[0].track(self._search_hz()))[1]) for motion in tracks if motion]
         if not known:
-            raise NoMotion(
-                "limits, torque_Nm: too little for what the rivals may ask for; give more", self._enough()
-            )
+            few = "limits, torque_Nm: too little for what the rivals may ask for; give more"
+            raise NoMotion(few, self._enough("torque_Nm"))
         (chosen, track), _ = max(known, key=lambda one: one[1])
-        peak = (
-            self.telling.peak(track, draws=True),
-            float(np.max(np.abs(track.omega))),
-            float(np.max(np.abs(track.alpha))),
-        )
+        omega, alpha = (float(np.max(np.abs(column))) for column in (track.omega, track.alpha))
+        peak = (self.telling.peak(track, draws=True), omega, alpha)
         rivals = self.telling.rivals
         if param is not None:
             before = rivals[0].fit.params[param].se
@@ -207,7 +197,7 @@ class _Design:
             return found
         return replace(found, change=self._change(pool, seed))
 
-    def _told(self, track: MotionTrack) -> tuple[FloatArray, float]:
+    def _told(self, track: MotionTrack) -> tuple[Told, float]:
         """What a motion that is sampled as in the search tells at the full rate, and how good that is.
 
         As good as the least D of all pairs, but of two motions rather the one that tells more pairs enough:
@@ -215,12 +205,13 @@ class _Design:
         sensors to know its direction it is minus infinity.
         """
         n = len(self.telling.rivals)
+        nothing = Told(np.zeros((n, n)), np.zeros(n))
         try:
             if self.param is not None:
-                return np.zeros((n, n)), -self.telling.errors(track, self.limits.sample_rate_hz)[self.param]
+                return nothing, -self.telling.errors(track, self.limits.sample_rate_hz)[self.param]
             told = self.telling.evidence(track, self.limits.sample_rate_hz)
         except InputError:
-            return np.zeros((n, n)), -math.inf
+            return nothing, -math.inf
         every = self.telling.pairs(told)
         return told, sum(min(d, _ENOUGH) for d in every) + math.log1p(min(every))
 
@@ -242,7 +233,7 @@ class _Design:
             return False
         limits = self.limits
         for name in ("omega_rad_s", "alpha_rad_s2", "torque_Nm", "theta"):
-            limits = _widened(limits, name, max(_FASTER))
+            limits = limits.widened(name, max(_FASTER))
         wider = replace(self, limits=limits)
         for pieces in bank():
             scored: list[_Scored] = []
@@ -252,7 +243,7 @@ class _Design:
         return True
 
     @cached_property
-    def _usual(self) -> list[FloatArray]:
+    def _usual(self) -> list[Told]:
         """What each of the standard motions tells."""
         return [self._told(one)[0] for one in self._standard(self._search_hz())]
 
@@ -285,7 +276,7 @@ class _Design:
         if (made := self._runnable(pieces, draws=False)) is not None:
             told, score = self._told(made[1])
             if score > -math.inf:
-                scored.append(_Scored(score, self.telling.least(told), float(told.max()), pieces))
+                scored.append(_Scored(score, self.telling.least(told), float(told.d.max()), pieces))
 
     def _search_hz(self) -> float:
         rate = self.limits.sample_rate_hz
@@ -303,7 +294,7 @@ class _Design:
                 if not hand_can(steps_by_hand(made, self.telling.coordinate)):
                     return None
             track = made.track(rate)
-            if len(track.theta) < _SHORTEST:
+            if len(track.theta) < _SHORTEST or not track.omega.any():
                 return None
             asked = self.telling.peak(track, draws=draws) * (1.0 if draws else self._doubt)
             if self.limits.hold(track) and asked <= self.limits.torque_Nm:
@@ -332,23 +323,41 @@ class _Design:
                 tracks.append(one)
         return tracks
 
-    def _enough(self) -> tuple[str, float] | None:
-        """Return the smallest change of one limit with which there is a motion: which limit, and to what.
+    def _none(self) -> NoMotion:
+        """Return what is said where no motion is within the limits: which of them is at fault."""
+        limits, limit, least = self.limits, "duration_s", 0.0
+        gentle = (plan(one, limits, _EASE ** (_EASINGS - 1)).track(self._search_hz()) for one in bank())
+        moving = [one for one in gentle if one.omega.any() and limits.hold(one)]
+        able = [one for one in moving if len(one.theta) >= _SHORTEST]
+        if self.by_hand and replace(self, by_hand=False).moves():
+            fault = f"{limits.duration_s:.4g} is too short, or the angles too near, for a hand"
+        elif not able:
+            fault = f"{limits.duration_s:.4g} is too short for any motion at {limits.omega_rad_s:.4g} rad/s"
+        elif (least := min(self.telling.peak(one, draws=True) for one in able)) > limits.torque_Nm:
+            fault = f"{limits.torque_Nm:.4g} moves no rival, the gentlest motion takes {least:.3g}"
+            limit = "torque_Nm"
+        else:
+            fault = f"{limits.omega_rad_s:.4g} is too slow for the sensors to know the direction"
+            limit = "omega_rad_s"
+        return NoMotion(f"limits, {limit}: {fault}; give more", self._enough(limit, least))
 
-        None where none was found in the time that there is for it.
+    def _enough(self, limit: str, least: float = 0.0) -> tuple[str, float] | None:
+        """Return the smallest change of a limit with which there is a motion: which limit, and to what.
+
+        It is more than `least` of it. None where none was found in the time that there is for it.
         """
         until = time.monotonic() + _CHANGE_S
         for times in _FASTER:
-            for name in ("torque_Nm", "omega_rad_s", "duration_s"):
-                wider = replace(self, limits=_widened(self.limits, name, times))
-                for pieces in bank():
-                    if time.monotonic() > until:
-                        return None
-                    if self.between is not None:
-                        self.between()
-                    made = wider._runnable(pieces, draws=True)
-                    if made and wider._told(made[0].track(wider._search_hz()))[1] > -math.inf:
-                        return name, getattr(wider.limits, name)
+            more = times * max(1.0, least / self.limits.numbers[limit])
+            wider = replace(self, limits=self.limits.widened(limit, more))
+            for pieces in bank():
+                if time.monotonic() > until:
+                    return None
+                if self.between is not None:
+                    self.between()
+                made = wider._runnable(pieces, draws=True)
+                if made and wider._told(made[0].track(wider._search_hz()))[1] > -math.inf:
+                    return limit, wider.limits.numbers[limit]
         return None
 
     def _change(self, pool: list[tuple[Piece, ...]], seed: int) -> Change | None:
@@ -357,7 +366,7 @@ class _Design:
         each_s = _CHANGE_S / (len(_FASTER) * len(limits))
         for times in _FASTER:
             for name in limits:
-                wider = _widened(self.limits, name, times)
+                wider = self.limits.widened(name, times)
                 other = replace(self, limits=wider)
                 scored: list[_Scored] = []
                 until = time.monotonic() + each_s
@@ -383,11 +392,3 @@ def _phases(model: Model) -> set[str]:
 
 def _best(scored: Sequence[_Scored]) -> list[tuple[Piece, ...]]:
     return [one.pieces for one in sorted(scored, key=lambda one: -one.score)[:_FINALISTS]]
-
-
-def _widened(limits: Limits, name: str, times: float) -> Limits:
-    if name != "theta":
-        wider = times * getattr(limits, name)
-        return replace(limits, **{name: min(wider, MOST_S) if name == "duration_s" else wider})
-    half = times * limits.half
-    return replace(limits, theta_min_rad=limits.middle - half, theta_max_rad=limits.middle + half)

@@ -28,6 +28,7 @@ _NUMBERS = (
 )
 _MOST_BYTES = 100_000
 _ROUNDING = 1e-9
+_FURTHEST = 1e9
 
 
 @dataclass(frozen=True)
@@ -83,6 +84,11 @@ class Limits:
         )
 
     @classmethod
+    def furthest(cls) -> Limits:
+        """Return limits that nothing reaches, beside which a file of them is read."""
+        return cls(_FURTHEST, _FURTHEST, _FURTHEST, -_FURTHEST, _FURTHEST, MOST_S)
+
+    @classmethod
     def load(cls, path: str | os.PathLike[str], usual: Limits) -> Limits:
         """Read a file of limits; what it does not name is as usual. Raises InputError for what is none."""
         values = read_toml(path, "file of limits", _MOST_BYTES, "write lines such as torque_Nm = 0.1")
@@ -129,6 +135,15 @@ class Limits:
     def half(self) -> float:
         """Half of the range of angles."""
         return 0.5 * (self.theta_max_rad - self.theta_min_rad)
+
+    def widened(self, name: str, times: float) -> Limits:
+        """Return them with one so many times as wide; `theta` widens both angles about their middle."""
+        if name != "theta":
+            wider = times * self.numbers[name]
+            given: dict[str, Any] = {name: min(wider, MOST_S) if name == "duration_s" else wider}
+            return replace(self, **given)
+        half = times * self.half
+        return replace(self, theta_min_rad=self.middle - half, theta_max_rad=self.middle + half)
 
     def hold(self, track: MotionTrack) -> bool:
         """Whether a motion stays within them; the torque, which depends on a knob, apart."""

@@ -13,7 +13,7 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 from statistics import NormalDist
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -44,6 +44,7 @@ _SURE = 3.0  # standard deviations of a speed from which on its sign is known
 _IMITATED = (
     0.1  # of the D the other way: what a model leaves that contains another but for what it has to learn
 )
+_MOST_LEAD = 5.8  # hardly less than what tells two apart: what captures leave tied a motion has to tell
 _TIED = 2.0  # times what tells two apart: rivals that tied are fitted to their end, which moves the odds
 _NORMAL = NormalDist()
 _EDGE = 0.1  # of the rate: the edge of the torque's filter where the captures have none
@@ -69,6 +70,17 @@ def apart(rivals: Sequence[Rival]) -> tuple[Said, ...]:
     if not all_have or not all(own):
         return tuple(one.name for one in rivals)
     return tuple(joined(" + ", map(OfEffect, effects)) for effects in own)
+
+
+class Told(NamedTuple):
+    """What a motion tells of rivals.
+
+    `d` has D of the torque of a row's model beside a column's; `dearer` says of each how much more its
+    parameters cost once the motion determines them, in variances of the noise.
+    """
+
+    d: FloatArray
+    dearer: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,8 +173,8 @@ class Telling:
                 most = max(most, float(np.max(np.abs(model.core.torque(still, filtered=False)))))
         return _MARGIN * most
 
-    def evidence(self, track: MotionTrack, rate_hz: float | None = None) -> FloatArray:
-        """Return D, shape (rivals, rivals): of the torque of a row's model, what a column's would leave.
+    def evidence(self, track: MotionTrack, rate_hz: float | None = None) -> Told:
+        """Return D of a row's model beside a column's, and how much dearer each becomes.
 
         At another rate than the track's each of its samples counts as so many. Both as fitted: a model that
         is drawn beside a rival that is not differs from it by what the same data say of both, and D would
@@ -170,14 +182,33 @@ class Telling:
         """
         still = self.signals(track)
         n = len(self.rivals)
-        told = np.zeros((n, n))
+        told, dearer = np.zeros((n, n)), np.zeros(n)
         white = self._white(track, rate_hz)
+        counted = still.used * (rate_hz or track.rate_hz) / track.rate_hz
         for truth in range(n):
             torque = self.rivals[truth].fit.core.model.torque(still, filtered=False)
             made = self.signals(track, torque)
             for other in (one for one in range(n) if one != truth):
-                told[truth, other], _ = self.rivals[other].fit.core.expected(made, white)
-        return told
+                told[truth, other], errors = self.rivals[other].fit.core.expected(made, white)
+                dearer[other] = self._dearer(self.rivals[other], errors, counted)
+        return Told(told, dearer)
+
+    def _dearer(self, rival: Rival, errors: FloatArray, counted: float) -> float:
+        """Return how much more a rival's parameters cost with these errors and so many samples more.
+
+        As `learn` charges them: what a motion determines is a choice that it was not before.
+        """
+        fit = rival.fit
+        after = dict(zip(fit.core.free, errors.tolist(), strict=True))
+        longer = 1.0 + counted / sum(one.core.used for one in fit.prepared)
+        return self._price(longer) * charged(fit, rival.effects, after) - self._price() * charged(
+            fit, rival.effects
+        )
+
+    def _price(self, longer: float = 1.0) -> float:
+        """Return what a parameter costs where captures are so many times as long."""
+        best = min((rival.fit for rival in self.rivals), key=lambda fit: fit.rmse)
+        return math.log(max(longer * best.white_squares, math.e))
 
     def _white(self, track: MotionTrack, rate_hz: float | None) -> float:
         """Return the variance of noise with which the samples of a track tell as many of another rate would.
@@ -190,38 +221,38 @@ class Telling:
     def leads(self) -> FloatArray:
         """What captures say already of a row's rival beside a column's: twice the logarithm of the odds.
 
-        As `learn` weighs them, by what each leaves and the price of its parameters, to what counts as told;
-        not a number where captures tell them far beyond that, by that price and by the one that effects come
-        in for.
+        As `learn` weighs them, by what each leaves and the price of its parameters, to nearly what counts as
+        told; not a number where captures tell them far beyond that, by that price and by the one that effects
+        come in for.
         """
         if not self.white > 0.0:
             return np.full((len(self.rivals), len(self.rivals)), np.nan)
         best = min((rival.fit for rival in self.rivals), key=lambda fit: fit.rmse)
         noise = min(1.0, (best.noise_floor / best.rmse) ** 2) if best.noise_floor > 0.0 else 1.0
         left = np.array([noise * _left(one.fit) / self.white for one in self.rivals])
-        price = math.log(max(best.white_squares, math.e))
-        plain = left + price * np.array([charged(one.fit, one.effects) for one in self.rivals])
+        plain = left + self._price() * np.array([charged(one.fit, one.effects) for one in self.rivals])
         full = left + RULE.price * np.array([count(one.fit, one.effects) for one in self.rivals])
         odds, near = (cost[None, :] - cost[:, None] for cost in (plain, full))
         tied = np.minimum(np.abs(odds), np.abs(near)) <= _TIED * RULE.alike
-        return np.where(tied, np.clip(odds, -RULE.alike, RULE.alike), np.nan)
+        return np.where(tied, np.clip(odds, -_MOST_LEAD, _MOST_LEAD), np.nan)
 
-    def between(self, told: FloatArray, one: int, other: int) -> float:
+    def between(self, told: Told, one: int, other: int) -> float:
         """Return D of a pair of rivals: what makes the wrong choice as rare as a motion and captures do.
 
-        What they say already counts, and so do prices: a model that imitates the plainer one that is right
-        leaves as little as that does on any motion, but no more has its parameters' worth. Each of both is
-        right as often as captures say. Where they tell them already it is D of the motion alone.
+        What they say already counts, and so do prices after the motion: a model that imitates the plainer one
+        that is right leaves as little as that does on any motion, but no more has its parameters' worth. Each
+        of both is right as often as captures say. Where they tell them already it is D of the motion alone.
         """
         lead = float(self.leads[one, other])
         if math.isnan(lead):
-            return self._alone(told, one, other)
-        sides = (lead, float(told[one, other])), (-lead, float(told[other, one]))
-        wrong = sum(_chosen_wrongly(ahead, d) / (1.0 + math.exp(-0.5 * ahead)) for ahead, d in sides)
+            return self._alone(told.d, one, other)
+        gains = float(told.dearer[other] - told.dearer[one])
+        sides = (lead, gains, float(told.d[one, other])), (-lead, -gains, float(told.d[other, one]))
+        wrong = sum(_chosen_wrongly(now + more, d) / (1.0 + math.exp(-0.5 * now)) for now, more, d in sides)
         if wrong > 0.0:
             return (2.0 * _NORMAL.inv_cdf(min(wrong, 0.5))) ** 2
         # Too seldom for a number: the worse of both, of which what leads may tell one on any motion.
-        return min((ahead + d) ** 2 / d for ahead, d in sides if d > 0.0)
+        return min((now + more + d) ** 2 / d for now, more, d in sides if d > 0.0)
 
     def _alone(self, told: FloatArray, one: int, other: int) -> float:
         """Return D of a pair on the motion alone, whichever of them is right.
@@ -236,12 +267,12 @@ class Telling:
                 return float(told[rich, plain])
         return float(min(told[one, other], told[other, one]))
 
-    def pairs(self, told: FloatArray) -> list[float]:
+    def pairs(self, told: Told) -> list[float]:
         """Return D of each pair, in no order; none of a single rival."""
-        n = len(told)
+        n = len(told.d)
         return [self.between(told, i, j) for i in range(n) for j in range(i)]
 
-    def least(self, told: FloatArray) -> float:
+    def least(self, told: Told) -> float:
         """Return the least D of all pairs; 0 of a single rival."""
         return min(self.pairs(told), default=0.0)
 

@@ -16,6 +16,9 @@ from ..learn.contenders import contenders
 from ..learn.designing import design
 from ..learn.experiment import Experiment
 from ..learn.limits import Limits
+from .asked import asked
+from .link import Link
+from .placing import fitted, limits_of, stands_at
 from .record import record
 from .wirelog import SUFFIX, WireLog
 
@@ -69,11 +72,13 @@ def experiments(
     """Record the knob on the rig behind `port`, learn, and record up to `count` motions more.
 
     Each further motion is the one that would tell apart what was learned and what else it could be
-    (`next_experiment`), within `limits` (a file; by default what the recordings reached). It ends where
-    nothing is left to be told apart, or where no motion would. The wire logs are in `folder`; `options` are
-    those of `learn`. A rig that stops half-way ends it: what came is used, and why is said.
+    (`next_experiment`), within `limits` (a file; by default what the recordings reached), for which the first
+    is made smaller where it has to be. It ends where nothing is left to be told apart, or where no motion
+    would. The wire logs are in `folder`; `options` are those of `learn`. A rig that stops half-way ends it:
+    what came is used, and why is said.
 
-    Raises InputError where the first recording fails, and for a count below 1.
+    Raises InputError where the first recording fails, for limits that are none, before anything moves, and
+    for a count below 1.
     """
     if count < 1:
         raise InputError(f"experiments={count}: give a number from 1")
@@ -81,7 +86,7 @@ def experiments(
     make_folder(folder)
     first = _free(Path(folder))
     tell("recording the first motion")
-    captures = [record(port, motion, output=first, duration_s=duration_s, clear_fault=clear_fault)]
+    captures = [_first(port, motion, duration_s, limits, output=first, clear_fault=clear_fault)]
     logs, designed = [first], []
     learned = learn(captures, progress=tell, **options)
     broken = None
@@ -91,7 +96,11 @@ def experiments(
         if not rivals:
             broken = "nothing is left that could be taken for what was found"
             break
-        one = design(rivals, Limits.within(limits, learned.fit.prepared))
+        try:
+            one = design(rivals, Limits.within(limits, learned.fit.prepared))
+        except InputError as none:
+            broken = str(none)
+            break
         if not one.useful:
             broken = one.headline.removesuffix(".")
             break
@@ -115,6 +124,20 @@ def experiments(
             break
     ended = broken or f"{count} experiments were made"
     return Experiments(learned, tuple(designed), tuple(logs), ended)
+
+
+def _first(
+    port: str, motion: str, duration_s: float, limits: str | os.PathLike[str] | None, **how: Any
+) -> Capture:
+    """Record the first motion, as large as it is, or as limits let it be from where the knob stands."""
+    if limits is None:
+        return record(port, motion, duration_s=duration_s, **how)
+    with Link.at(port) as link:
+        within = limits_of(limits, link)
+        assert within is not None
+        seconds = min(duration_s, within.duration_s)
+        track = asked(motion, seconds, link.rate_hz).track
+        return record(link, fitted(track, stands_at(link), within), limits=within, **how)
 
 
 def _free(folder: Path) -> Path:

@@ -25,7 +25,6 @@ _FAR_RAD = math.pi  # beyond a motion's angles: so far off its encoder counts fr
 _THERE_RAD = 1e-3  # as good as there
 _SLACK_RAD = 0.01  # beyond an angle's limit, where a knob that was let go there may stand
 _LOOK_SAMPLES = 25  # a frame of DATA
-_FURTHEST = 1e9
 _ROUNDING = 1e-6
 
 
@@ -55,15 +54,8 @@ def limits_of(given: Limits | str | os.PathLike[str] | None, link: Link) -> Limi
     """Return the limits of a call; what a file does not name is what the rig itself can."""
     if given is None or isinstance(given, Limits):
         return given
-    usual = Limits(
-        torque_Nm=link.device["torque_limit"],
-        omega_rad_s=_FURTHEST,
-        alpha_rad_s2=_FURTHEST,
-        theta_min_rad=-_FURTHEST,
-        theta_max_rad=_FURTHEST,
-        duration_s=600.0,
-        sample_rate_hz=link.rate_hz,
-    )
+    own = {"torque_Nm": link.device["torque_limit"], "sample_rate_hz": link.rate_hz}
+    usual = Limits.furthest().with_some(own)
     return Limits.load(given, usual)
 
 
@@ -95,6 +87,28 @@ def from_here(asked: Asked, link: Link, limits: Limits | None) -> Way:
     own = link.device["inertia"] * float(np.max(np.abs(led.alpha)))
     own += link.device["damping"] * float(np.max(np.abs(led.omega)))
     return Way(led, min(float(link.device["torque_limit"]), limits.torque_Nm + own), words)
+
+
+def fitted(track: MotionTrack, here: float, limits: Limits) -> MotionTrack:
+    """Return a motion that counts from where the knob stands, smaller where limits ask for that.
+
+    Raises InputError where the knob stands at the end of its angles, or beyond.
+    """
+    led = led_in(track, track.rate_hz)
+    rooms = (
+        (limits.theta_max_rad - here, float(np.max(led.theta))),
+        (here - limits.theta_min_rad, -float(np.min(led.theta))),
+        (limits.omega_rad_s, float(np.max(np.abs(led.omega)))),
+        (limits.alpha_rad_s2, float(np.max(np.abs(led.alpha)))),
+    )
+    size = min(1.0, *(room / needs for room, needs in rooms if needs > 0.0))
+    if size <= 0.0:
+        by = limits.middle - here
+        raise InputError(
+            f"limits: the knob stands at {_shown(here)} rad, at the end of theta_min_rad to theta_max_rad or "
+            f"beyond: turn it by {by:+.4g} rad ({math.degrees(by):+.0f} degrees), then try again"
+        )
+    return track._replace(theta=size * track.theta, omega=size * track.omega, alpha=size * track.alpha)
 
 
 def _check_within(name: str, track: MotionTrack, limits: Limits) -> None:
