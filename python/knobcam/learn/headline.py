@@ -9,7 +9,7 @@ from ..base.said import Advice, OfAxis, OfEffect, Said, joined, number, said
 from ..fit.beyond import incoherent
 from ..fit.coarse import within_rounding
 from ..fit.doubts import log_in_doubt
-from ..fit.uncounted import untold
+from ..fit.uncounted import tells_nothing
 from ..fit.verdict import explained
 from .ties import with_ties
 
@@ -76,7 +76,7 @@ def _not_to_be_told(story: LearningResult, what: Unexplained, head: Head) -> Sai
     if (fault := story.fit.log_fault) is not None:
         said_so = "The log or its map is to be mended first, until then it tells nothing: {fault}."
         return said(said_so, fault=fault)
-    if what.hint == untold(story.fit.prepared):
+    if what.hint == tells_nothing(story.fit.prepared):
         return said("Whether anything is missing cannot be told: {hint}.", hint=what.hint)
     if math.isnan(story.noise_floor):
         return said(
