@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -254,3 +256,18 @@ def test_an_encoder_that_rests_now_and_then_is_not_slow_for_that() -> None:
     rows = np.asarray(moved.rows)
     assert np.std((moved.omega - omega[rows])[inner]) < 0.01 * np.std(omega)
     assert moved.alpha[inner] @ alpha[rows][inner] > 0.98 * (alpha[rows][inner] @ alpha[rows][inner])
+
+
+@pytest.mark.parametrize(("reach", "said"), [(12.5, "jumps by 25, from one end"), (math.pi, "whole turns")])
+def test_an_angle_that_wraps_at_the_ends_of_a_register_goes_on_by_its_width(reach: float, said: str) -> None:
+    """A drive counts from -12.5 to 12.5 rad: by four whole turns it was 0.13 rad off behind each wrap."""
+    rate, rows = 200.0, 12_000
+    t = np.arange(rows) / rate
+    true = 9.0 * np.sin(0.37 * t) + 8.0 * np.sin(0.11 * t) + 1.3 * t
+    read = np.round((true + reach) % (2.0 * reach) / (2.0 * reach) * 65536.0) / 65536.0 * 2.0 * reach - reach
+    tau = np.random.default_rng(3).standard_normal(rows)
+    found = Capture.from_arrays(t=t, theta=read, tau=tau)
+    (wrap,) = [one for one in found.findings if one.kind == "wrap"]
+    assert wrap.severity == "mended" and said in wrap.message
+    away = found.theta - true
+    assert np.ptp(away) < 2e-3

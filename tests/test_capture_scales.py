@@ -137,3 +137,15 @@ def test_a_clock_in_milliseconds_is_told_by_a_velocity_of_a_motion_that_mostly_r
     assert unit.column == "omega" and "(or t is not in s)" in unit.message
     right = kc.Capture.from_arrays(t=t, theta=theta, omega=read, tau=tau).findings
     assert not [one for one in right if one.kind == "unit"]
+
+
+@pytest.mark.parametrize(("unit", "word", "seconds"), [("min", "minutes", 60.0), ("h", "hours", 3600.0)])
+def test_a_clock_in_minutes_is_told_by_the_motion(unit: str, word: str, seconds: float) -> None:
+    """A sixtieth is near the radians of a degree, and was taken for them; of hours nothing was said."""
+    plain = {name: values for name, values in recording().columns.items() if name not in ("t", "alpha")}
+    found = kc.Capture.from_arrays(t=times() / seconds, **plain).findings
+    (told,) = [one for one in found if one.kind == "unit"]
+    assert told.column == "omega" and f"t may be in {word}" in told.message
+    found = kc.Capture.from_arrays(t=times() / seconds, **plain, alpha=recording().columns["alpha"]).findings
+    (clock,) = [one for one in found if one.kind == "unit"]
+    assert clock.column == "t" and f"it is in {unit}" in clock.message

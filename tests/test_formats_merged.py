@@ -83,3 +83,36 @@ def test_readings_that_lack_in_rows_that_have_others_are_left_out_and_not_made(t
     capture = kc.load(tmp_path / "run.csv")
     assert not [one for one in capture.findings if one.kind == "merged"]
     assert capture.samples == N and np.sum(~capture.mask) == len(range(7, N, 50)) + 1
+
+
+def test_a_command_that_is_logged_where_it_changes_holds_until_then(tmp_path: Path) -> None:
+    """Six commands in 36 430 rows of a pendulum: "fewer than 2 usable samples", and no way out."""
+    t = np.arange(N) / RATE_HZ
+    theta = at(t)[0]
+    sent = np.arange(0.0, 10.0, 2.0) + 3e-4
+    rows = [(one, f"{one:.9f},{q:.9g},") for one, q in zip(t, theta, strict=True)]
+    rows += [(one, f"{one:.9f},,{k + 0.5}") for k, one in enumerate(sent)]
+    text = "\n".join(row for _, row in sorted(rows))
+    (tmp_path / "run.csv").write_text("time,position,command\n" + text + "\n")
+    with pytest.raises(kc.InputError, match=r"a command that holds until the next one, map tau=hold\(COL"):
+        kc.load(tmp_path / "run.csv", map="t=time, theta=position, tau=command [V]")
+    capture = kc.load(tmp_path / "run.csv", map="t=time, theta=position, tau=hold(command) [V]")
+    after = capture.t > 3e-4
+    held = np.floor((capture.t[after] - 3e-4) / 2.0) + 0.5
+    np.testing.assert_array_equal(capture.tau[after][capture.mask[after]], held[capture.mask[after]])
+    assert capture.mask.mean() > 0.99
+
+
+def test_of_a_torque_that_is_there_always_the_rows_with_an_angle_are_taken(tmp_path: Path) -> None:
+    t = np.sort(np.concatenate([np.arange(N) / RATE_HZ, np.arange(N) / RATE_HZ + 7e-4]))
+    theta, _, tau = at(t)
+    cells = [
+        f"{one:.9f},{q if k % 2 == 0 else ''},{u}"
+        for k, (one, q, u) in enumerate(zip(t, theta, tau, strict=True))
+    ]
+    (tmp_path / "run.csv").write_text("time,position,torque\n" + "\n".join(cells) + "\n")
+    capture = kc.load(tmp_path / "run.csv")
+    (found,) = [one for one in capture.findings if one.kind == "merged"]
+    assert "stands in 5000 of 10000 rows beside tau" in found.message
+    assert capture.samples == N and capture.mask.all()
+    np.testing.assert_allclose(capture.theta, theta[::2], atol=1e-9)

@@ -74,12 +74,26 @@ def test_of_channels_that_end_a_row_later_the_last_row_is_none(tmp_path: Path) -
     assert kc.load(exported(tmp_path / "s.txt", AXIS, longer)).samples == len(T)
 
 
-def test_a_channel_of_other_times_says_so_where_it_is_asked_for(tmp_path: Path) -> None:
-    """Row by row its readings would stand beside those of other moments."""
-    path = exported(tmp_path / "s.csv", (SLOW, {"Brake": ("(None)", SLOW)}), AXIS, DRIVE)
-    assert kc.load(path).samples == len(T)
-    with pytest.raises(InputError, match=r"Brake was read at other times than most; export all with one"):
-        kc.load(path, map="t=t, theta=ActPos, tau=Brake")
+def test_a_torque_that_was_read_at_every_fifth_time_of_the_motion_is_taken_where_both_were(
+    tmp_path: Path,
+) -> None:
+    """Channels with sample times of their own; row by row their readings are of other moments."""
+    path = exported(tmp_path / "s.csv", AXIS, (SLOW, {"Load": ("Nm", TAU[::5])}), DRIVE)
+    assert kc.load(path, map="t=t, theta=ActPos, tau=ActTorque").samples == len(T)
+    slow = kc.load(path, map="t=t, theta=ActPos, omega=ActVelo, tau=Load")
+    np.testing.assert_allclose(slow.t, SLOW, atol=1e-9)
+    np.testing.assert_allclose(slow.theta, THETA[::5], atol=1e-7)
+    np.testing.assert_allclose(slow.omega, OMEGA[::5], atol=1e-7)
+    np.testing.assert_allclose(slow.tau, TAU[::5], atol=1e-7)
+    assert "stands in 120 of 600 rows beside tau" in str([str(one.message) for one in slow.findings])
+
+
+def test_a_torque_of_a_clock_of_its_own_has_the_motion_that_was_between_its_readings(tmp_path: Path) -> None:
+    late = T[:-1] + 7e-4
+    found = kc.load(exported(tmp_path / "s.csv", AXIS, (late, {"ActTorque": ("Nm", np.cos(9.0 * late))})))
+    np.testing.assert_allclose(found.t, late, atol=1e-9)
+    np.testing.assert_allclose(found.theta, 0.9 * np.sin(5.0 * late), atol=1e-4)
+    np.testing.assert_allclose(found.tau, np.cos(9.0 * late), atol=1e-7)
 
 
 def test_two_axes_of_which_channels_are_called_alike_are_told_apart_by_their_variables(

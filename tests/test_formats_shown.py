@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 from pathlib import Path
 
+import h5py  # type: ignore[import-untyped]
 import numpy as np
 import pytest
 import scipy.io  # type: ignore[import-untyped]
@@ -117,6 +118,17 @@ def test_an_object_of_matlab_says_what_it_is_and_how_its_numbers_are_saved(tmp_p
     path = tmp_path / "run.mat"
     path.write_bytes(head + element(14, flags + words + inside) + element(14, own))
     with pytest.raises(InputError, match=r"out holds an object of Simulink.SimulationOutput.*t = out.tout"):
+        load(path)
+
+
+def test_an_object_in_a_file_of_version_7_3_says_so_too(tmp_path: Path) -> None:
+    """Of a `timeseries` six numbers are in the file, and theta=data/COUNTS was shown for them."""
+    path = tmp_path / "run.mat"
+    with h5py.File(path, "w") as file:
+        data = file.create_dataset("data", data=np.zeros((1, 6), dtype=np.uint32))
+        data.attrs["MATLAB_class"] = np.bytes_(b"timeseries")
+        data.attrs["MATLAB_object_decode"] = np.int32(3)
+    with pytest.raises(InputError, match=r"data holds an object of timeseries.*t = out.tout"):
         load(path)
 
 

@@ -290,6 +290,23 @@ def test_the_noise_of_a_torque_that_was_commanded_is_not_what_a_model_leaves() -
     assert kc.fit(driven(100.0 * read)).noise_floor < 100.0 * read
 
 
+@pytest.mark.parametrize("keeps", [0.9, 0.97])
+@pytest.mark.parametrize("waves", [7.0, 12.0, 24.0])
+def test_a_strong_wave_over_position_is_not_read_as_noise_nor_instead_of_it(
+    waves: float, keeps: float
+) -> None:
+    """A motor that turns evenly: its floor was a tenth of what it is, or five times as much."""
+    t = np.arange(20_000) / 1000.0
+    theta, omega = 0.5 * t + 0.02 * np.sin(3.0 * t), 0.5 + 0.06 * np.cos(3.0 * t)
+    slow = signal.lfilter([1.0], [1.0, -keeps], np.random.default_rng(8).standard_normal(len(t)))
+    smooth = 0.01 + 0.002 * omega + 4.5e-4 / slow.std() * slow
+    wave = 0.01 * np.sin(waves * theta) + 0.003 * np.sin(2.0 * waves * theta)
+    read = theta + 1e-5 * np.random.default_rng(9).standard_normal(len(t))
+    alone, beside = (kc.fit(kc.Capture.from_arrays(t=t, theta=read, tau=smooth + w)) for w in (0.0, wave))
+    assert beside.rmse > 4.0 * alone.rmse
+    assert 0.7 < beside.noise_floor / alone.noise_floor < 1.5
+
+
 def test_of_a_torque_that_was_commanded_to_rise_nothing_is_told_that_changes_with_time() -> None:
     """Of ten runs of a motor six lacked `torque_drift`, "and the rest is chance"; two had the other sign."""
     story = kc.learn(driven(0.0, ramp=0.0167))

@@ -43,6 +43,12 @@ const SHARES: u32 = 256;
 const LOUDER: f64 = 1.1;
 /// Slowest frequencies of a periodogram, which its taper and its mean take off.
 const TAKEN_OFF: usize = 2;
+/// Times the usual level of the octave above that noise stays below: twice what a filter of second order makes of it.
+const LINE: f64 = 10.0;
+/// Share of the frequencies that are lines at most.
+const FEW_LINES: f64 = 0.1;
+/// Frequencies of the slowest octave, which has too few of its own.
+const FEWEST: usize = 4;
 /// Times that what these hold is expected of the rest: where noise is slower than a window shows, each adds to what is a
 /// guess.
 const ROUNDS: usize = 4;
@@ -222,7 +228,7 @@ fn coloured(signals: &Signals, rest: &[f64], window: usize) -> Option<Noise> {
     };
     // Most noise is white, which the raw torque alone tells.
     let raw = Some(steady(&spectra(&signals.tau_raw, window))).filter(|raw| falls(raw))?;
-    let level = quieter(steady(&spectra(rest, window)), &raw);
+    let level = without_lines(quieter(steady(&spectra(rest, window)), &raw));
     let level = Some(level).filter(|level| falls(level) && !plunges(level, window))?;
     // What rings after each of many contacts fills all long stretches, and falls too; but no noise ever pauses.
     let paused = |column: &[f64]| quiet(&spectra(column, SHORT), QUIETEST);
@@ -236,6 +242,26 @@ fn coloured(signals: &Signals, rest: &[f64], window: usize) -> Option<Noise> {
 /// Whether noise with this level from nought to the Nyquist frequency is louder the slower it is.
 pub(super) fn falls(level: &[f64]) -> bool {
     mean(level, BELOW) > rule().falls * mean(level, BAND)
+}
+
+/// The level of noise without the lines that stand in it, as loud there as at the frequencies above.
+///
+/// What is wrong over position comes always and at the same frequencies where a knob turns evenly, and no quiet stretch is
+/// without it. But it stands alone: noise of a filter of second order rises by 1.5^4 in three quarters of an octave, and
+/// no line's flank rises as little. From above, as it is there that noise is alone. Where so many would be lines they are
+/// a slope, and the level is as it was.
+fn without_lines(level: Vec<f64>) -> Vec<f64> {
+    let half = level.len() - 1;
+    let mut alone = level.clone();
+    let mut lines = 0.0;
+    for bin in (TAKEN_OFF..half / 2).rev() {
+        let usual = median(alone[bin + 1..=(2 * bin).max(bin + FEWEST)].to_vec());
+        if alone[bin] > LINE * usual {
+            alone[bin] = usual;
+            lines += 1.0;
+        }
+    }
+    if lines > FEW_LINES * (half / 2) as f64 { level } else { alone }
 }
 
 /// Whether a level falls further than that of any noise.

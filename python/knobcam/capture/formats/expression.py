@@ -27,6 +27,13 @@ def _unwrap(angle: FloatArray) -> FloatArray:
     return angle
 
 
+def _hold(values: FloatArray) -> FloatArray:
+    """Give blanks the value before them: a command holds until the next one."""
+    values = np.asarray(values, dtype=np.float64)
+    read = np.maximum.accumulate(np.where(np.isfinite(values), np.arange(values.size), 0))
+    return values[read] if values.ndim else values
+
+
 _OPERATORS: dict[type[ast.AST], Callable[..., Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -44,6 +51,7 @@ _FUNCTIONS: dict[str, Callable[..., Any]] = {
     "deg2rad": np.deg2rad,
     "unwrap": _unwrap,
     "cumsum": np.cumsum,
+    "hold": _hold,
 }
 
 
@@ -51,8 +59,8 @@ def evaluate(expression: str, column: Callable[[str], FloatArray]) -> FloatArray
     """Return the value of `expression`, with `column` giving the array behind each name.
 
     Numbers, column names (dotted, or in backquotes when they hold other characters), `pi`, + - * / **,
-    parentheses and sin cos sqrt abs deg2rad unwrap cumsum. Columns of one expression must have one length
-    (scalars fit all); anything else raises InputError naming the expression.
+    parentheses and sin cos sqrt abs deg2rad unwrap cumsum hold. Columns of one expression must have one
+    length (scalars fit all); anything else raises InputError naming the expression.
     """
     return _Evaluation(expression, column).run()
 

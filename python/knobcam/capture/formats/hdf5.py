@@ -16,7 +16,7 @@ from ...base.optional import require
 from ...base.reading import open_file
 from ...errors import InputError
 from .inflate import Budget
-from .table import Table, add_array, check_width, stated_unit
+from .table import Table, add_array, check_width, of_a_class, stated_unit
 
 _DOCUMENT = "knobcam"
 
@@ -34,6 +34,7 @@ def read_hdf5(path: Path, max_bytes: int) -> Table:
     columns: dict[str, FloatArray] = {}
     broken: dict[str, str] = {}
     units: dict[str, str] = {}
+    objects: list[str] = []
     budget = Budget(str(path), path.stat().st_size, max_bytes)
 
     def visit(name: str, item: Any) -> None:
@@ -54,7 +55,11 @@ def read_hdf5(path: Path, max_bytes: int) -> Table:
             )
         budget.take(item.nbytes)
         budget.numbers(item.size, item.dtype.itemsize)
-        if item.attrs.get("MATLAB_class", b"double") in (b"char", b"cell"):
+        kind = item.attrs.get("MATLAB_class", b"double")
+        if "MATLAB_object_decode" in item.attrs:
+            objects.append(label)
+            broken[label] = of_a_class(label, bytes(kind).decode("utf-8", "replace"))
+        elif kind in (b"char", b"cell"):
             broken[label] = f"column {label} holds text or cells, not numbers; map another column"
         else:
             there = set(columns)
@@ -66,6 +71,8 @@ def read_hdf5(path: Path, max_bytes: int) -> Table:
     with h5py.File(path, "r") as file:
         file.visititems(visit)
         text = file.attrs.get(_DOCUMENT)
+    if objects and not columns:
+        raise InputError(f"{path}: {broken[objects[0]]}")
     document = json.loads(text) if isinstance(text, str) else None
     kind = "HDF5" if document else "MATLAB 7.3 .mat"
     document = document if isinstance(document, dict) else None

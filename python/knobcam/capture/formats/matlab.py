@@ -22,7 +22,7 @@ from ...base.optional import require
 from ...errors import InputError
 from . import magic
 from .inflate import Budget, unpack
-from .table import Table, add_array
+from .table import Table, add_array, of_a_class
 
 _DOCUMENT = "knobcam"
 _TEXT = 116  # bytes of text at the start of a file
@@ -90,7 +90,9 @@ class _Reader:
         label = parent
         if kind == _OPAQUE:
             name, _, what = (bytes(part.data).decode("utf-8", "replace") for part in islice(parts, 3))
-            self.refuse(parent or name or _UNNAMED, f"an object of {what}")
+            label = parent or name or _UNNAMED
+            self.objects.append(label)
+            self.broken[label] = of_a_class(label, what)
             return
         dimensions = next(parts)
         if dimensions.kind not in (_INT32, _UINT32):  # some writers take the unsigned
@@ -136,11 +138,7 @@ class _Reader:
         return document if isinstance(document, dict) else None
 
     def refuse(self, label: str, what: str) -> None:
-        way = "map another column"
-        if what.startswith("an object of "):
-            self.objects.append(label)
-            way = "take its numbers out in MATLAB, as t = out.tout, and save them"
-        self.broken[label] = f"column {label} holds {what}, not an array of numbers; {way}"
+        self.broken[label] = f"column {label} holds {what}, not an array of numbers; map another column"
 
 
 def read_mat5(path: Path, max_bytes: int) -> Table:

@@ -4,18 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...base.arrays import FloatArray
+from ...base.arrays import BoolArray, FloatArray
 from ...base.said import OfColumn, said
 from ..finding import Finding
 
 _FEWEST = 100  # readings of an angle and of a torque, from which a table is two logs in one
 _TOGETHER = 0.1  # of the readings: where more stand in one row, blanks are readings that are missing
+_MOST = 0.6  # of the rows: more have both, and the others are readings that are missing
+_UNEVEN = 0.4  # of the usual interval, by which a clock of its own may be late
+_EVENLY = 0.9  # of the intervals of a clock of its own, that are the usual one
 _GAP = 5.0  # times the usual interval between two readings, beyond which nobody knows what was between
 _MOTION = ("theta", "omega", "alpha")
 
 
 def at_one_time(columns: dict[str, FloatArray]) -> tuple[dict[str, FloatArray], tuple[Finding, ...]]:
     """Return the rows of the torque, with the motion there between its readings; the same where none lacks.
+
+    Where the rows that have both come evenly, and most others are of other signals, those are taken.
 
     Cubic Hermite polynomials, with the slopes of differences (Catmull & Rom 1974), differ from a motion by
     the third power of the interval: at ten readings a wave by a hundredth of it, at thirty by a thousandth.
@@ -24,8 +29,11 @@ def at_one_time(columns: dict[str, FloatArray]) -> tuple[dict[str, FloatArray], 
         return columns, ()
     t, theta, tau = (np.isfinite(columns[name]) for name in ("t", "theta", "tau"))
     fewer = min(np.sum(t & theta), np.sum(t & tau))
-    if fewer < _FEWEST or np.sum(t & theta & tau) > _TOGETHER * fewer:
+    both = t & theta & tau
+    if fewer < _FEWEST:
         return columns, ()
+    if np.sum(both) > _TOGETHER * fewer:
+        return _slower(columns, both)
     at = t & tau
     times = columns["t"][at]
     taken = {"t": times, "tau": columns["tau"][at]}
@@ -38,6 +46,31 @@ def at_one_time(columns: dict[str, FloatArray]) -> tuple[dict[str, FloatArray], 
         theta=OfColumn("theta"),
         tau=OfColumn("tau"),
         count=len(times),
+    )
+    return taken, (Finding("merged", "theta", len(times), (), found, "mended"),)
+
+
+def _slower(
+    columns: dict[str, FloatArray], both: BoolArray
+) -> tuple[dict[str, FloatArray], tuple[Finding, ...]]:
+    """Return the rows that have an angle and a torque, where those come evenly and many have not."""
+    times = columns["t"][both]
+    steps = np.diff(times)
+    known = np.isfinite(columns["t"])
+    even = np.abs(steps - np.median(steps)) < _UNEVEN * np.median(steps)
+    if np.sum(both) > _MOST * np.sum(known) or np.mean(even) < _EVENLY:
+        return columns, ()
+    taken = {name: columns[name][both] for name in ("t", "tau")}
+    for name in _MOTION:
+        if name in columns:
+            taken[name] = _between(times, columns["t"][known], columns[name][known])
+    found = said(
+        "{theta}: stands in {count} of {rows} rows beside {tau}, as where signals are read at rates of their "
+        "own; these rows are taken",
+        theta=OfColumn("theta"),
+        tau=OfColumn("tau"),
+        count=len(times),
+        rows=len(both),
     )
     return taken, (Finding("merged", "theta", len(times), (), found, "mended"),)
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TextIO
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray
 from ...errors import InputError
@@ -19,6 +20,7 @@ _TITLE = "Starttime of export"
 _MOST_LINES = 100  # above the first row
 _SPARED = 0.01  # of the rows, by which the last reading of one channel may come later than another's
 _SAME = 1e-6  # of a sample time, by which times differ as text
+_ONE = 1e-3  # of the shortest sample time, below which two channels were read at once
 
 
 def separator(head: str) -> str | None:
@@ -37,7 +39,7 @@ class _Group:
 
 
 def read_scope(lines: TextIO, count: int, mark: str, budget: Budget) -> Table:
-    """Return the channels that were read at the same times; one of other times says so where it is asked for.
+    """Return the channels, each with a row for all times at which any was read, blank where it was not.
 
     Channels follow a column of times each, or several do. A reading is as it was scaled: factors in the block
     are said there for the record. Where a channel has no more readings its cells are blank, or lack.
@@ -55,28 +57,36 @@ def read_scope(lines: TextIO, count: int, mark: str, budget: Budget) -> Table:
     budget.numbers(count * len(names))
     matrix = _matrix(source, lines, mark, len(names))
 
-    def alike(group: _Group) -> int:
-        return sum(len(other.channels) for other in groups if _together(matrix, group, other))
-
-    chosen = max(groups, key=alike)
-    t = _ended(matrix[:, chosen.time])
+    same = all(_together(matrix, groups[0], other) for other in groups)
+    if same:
+        rows = [np.arange(len(_ended(matrix[:, group.time]))) for group in groups]
+        t = min((_ended(matrix[:, group.time]) for group in groups), key=len)
+    else:
+        t, rows = _all_times([_ended(matrix[:, group.time]) for group in groups])
+        budget.numbers(len(t) * len(names))
     columns: dict[str, FloatArray] = {}
-    broken: dict[str, str] = {}
     stated: dict[str, str] = {}
-    readings = [(at, group) for group in groups for at in group.channels]
-    labels = ["t", *(names[at] for at, _ in readings)]
+    readings = [(at, group, own) for group, own in zip(groups, rows, strict=True) for at in group.channels]
+    labels = ["t", *(names[at] for at, _, _ in readings)]
     if len(set(labels)) < len(labels):  # of two axes each channel is called alike, and its variable is not
-        labels[1:] = [keys.get(_SYMBOL, names)[at] or names[at] for at, _ in readings]
-    for name, (at, group) in zip(called(labels)[1:], readings, strict=True):
-        if not _together(matrix, chosen, group):
-            broken[name] = f"column {name} was read at other times than most; export all with one sample time"
-            continue
-        columns[name] = matrix[:, at]
+        labels[1:] = [keys.get(_SYMBOL, names)[at] or names[at] for at, _, _ in readings]
+    for name, (at, _, own) in zip(called(labels)[1:], readings, strict=True):
+        columns[name] = np.full(max(len(t), own[-1] + 1), np.nan)
+        columns[name][own] = matrix[: len(own), at]
         if unit := spelled_out(keys.get(_UNIT, names)[at].partition(" (")[0]):
             stated[name] = unit
-    rows = min(len(_ended(column)) for column in (t, *columns.values()))
-    cut = {name: column[:rows] for name, column in columns.items()}
-    return Table(source, "CSV", {"t": t[:rows]} | cut, broken, units={"t": "ms"} | stated)
+    many = min(len(_ended(column)) for column in (t, *columns.values())) if same else len(t)
+    cut = {name: column[:many] for name, column in columns.items()}
+    return Table(source, "CSV", {"t": t[:many]} | cut, units={"t": "ms"} | stated)
+
+
+def _all_times(times: list[FloatArray]) -> tuple[FloatArray, list[NDArray[np.intp]]]:
+    """Return all of several clocks' times, and of each clock the rows in which its own are."""
+    steps = [abs(float(own[-1] - own[0])) / (len(own) - 1) for own in times if len(own) > 1]
+    tick = _ONE * min((step for step in steps if step), default=1.0)
+    numbered = np.round(np.concatenate(times) / tick)
+    _, first, rows = np.unique(numbered, return_index=True, return_inverse=True)
+    return np.concatenate(times)[first], np.split(rows, np.cumsum([len(own) for own in times])[:-1])
 
 
 def _block(source: str, lines: TextIO, mark: str) -> dict[str, list[str]]:

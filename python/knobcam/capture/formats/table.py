@@ -82,6 +82,12 @@ def called(cells: list[str]) -> list[str]:
     return names
 
 
+def of_a_class(label: str, what: str) -> str:
+    """Say of a MATLAB object of a class how its numbers are saved."""
+    way = "take its numbers out in MATLAB, as t = out.tout, and save them"
+    return f"column {label} holds an object of {what}, not an array of numbers; {way}"
+
+
 def add_array(columns: dict[str, FloatArray], broken: dict[str, str], name: str, array: NDArray[Any]) -> None:
     """Put an array of up to two axes into `columns`: a vector as `name`, a matrix as `name.c0`, `name.c1`...
 

@@ -151,9 +151,12 @@ def _check(
 
 def _check_left(mask: BoolArray, findings: list[Finding], source: str) -> None:
     if mask.sum() < 2:
+        blank = any(one.column == "tau" and 2 * one.count > len(mask) for one in findings)
+        command = "; if tau is a command that holds until the next one, map tau=hold(COLUMN)"
         raise InputError(
             f"{source}: fewer than 2 usable samples are left of {len(mask)}: "
             + "; ".join(finding.message for finding in findings)
+            + (command if blank else "")
         )
 
 

@@ -22,7 +22,11 @@ _GEARS = (1.25, 400.0)  # of a speed of the motor beside the angle of the joint
 
 _ORDERS = {"omega": 1, "alpha": 2}
 _DERIVATIVES = {"omega": "d {theta}/dt", "alpha": "d2 {theta}/dt2"}
-_CLOCKS = {1e3: "ms", 1e6: "us"}
+_CLOCKS = {1e3: "ms", 1e6: "us", 1 / 60: "min", 1 / 3600: "h"}
+_LONG = {
+    1 / 60: "minutes",
+    1 / 3600: "hours",
+}  # of those the ones that are no decimals of a unit of theta either
 _DECIMALS = {1e3: "thousandths", 1e6: "millionths"}
 _REGISTERS = {10.0: "tenths", 100.0: "hundredths", 0.1: "tens", 0.01: "hundreds"}  # as drives count
 _ANGLES = {180 / math.pi: "degrees", 1 / (2 * math.pi): "turns"}
@@ -163,12 +167,14 @@ def _likely(
         for factor, word in units.items()
         if theta_too
     ]
+    slow = {factor: said(f"{{t}} may be in {word} where s is expected") for factor, word in _LONG.items()}
+    known += slow.items() if theta_too else ()
     factor, reason = min(known, key=lambda pair: abs(math.log(pair[0] / times)))
     if not _NAMED[0] <= times / factor <= _NAMED[1]:
         gear = _GEARS[0] < times < _GEARS[1]
         side = ", or take both from one side of the gear" if gear else ""
         return size, Advice(f"check the units in the map and the rate{side}", "unit")
-    else_ = said(" (or {t} is not in s)") if theta_too else ""
+    other = "" if factor in slow else said(" (or {t} is not in s)") if theta_too else ""
     return said(
-        "{size}: near {factor:.4g}, so {reason}{or_}", size=size, factor=factor, reason=reason, or_=else_
+        "{size}: near {factor:.4g}, so {reason}{or_}", size=size, factor=factor, reason=reason, or_=other
     ), None

@@ -25,6 +25,8 @@ _RARE = 0.1  # of the rows that repeat, those that chance would make
 _ALONE = 0.5  # of the leap there and back, that the steps beside it may be off
 _COUNTS = 1.5  # of an encoder, beyond which a step is not what its neighbours let expect
 _FAST = 1.25  # counts a row, from which each row has another
+_THROUGH = 0.8  # of its range, that an angle leaps through where a register wraps
+_LEAPS = 2  # through all of it, that tell how wide the register is
 _FEW = 3  # rows that repeat, fewer than which tell nothing unless the angle itself does
 
 
@@ -65,7 +67,7 @@ def check_steps(
     bad["spike"][index[anything]] = True
     index = index[~anything]
     if coordinate == "rotary":
-        unwrapped, found = _unwrap(theta, index, rows)
+        unwrapped, found = _unwrap(t, theta, index, rows)
         theta = theta if "wrap:theta" in overruled else unwrapped
         findings += found
     missed = check_missed(columns, theta, index, rows, rate_hz, _count(np.diff(theta[index])))
@@ -196,24 +198,56 @@ def _away(theta: FloatArray, leaps: NDArray[np.intp]) -> BoolArray:
     return away
 
 
-def _unwrap(theta: FloatArray, index: NDArray[np.intp], rows: Rows) -> tuple[FloatArray, list[Finding]]:
-    """Return an angle without the whole turns that it jumps by, and the finding."""
+def _unwrap(
+    t: FloatArray, theta: FloatArray, index: NDArray[np.intp], rows: Rows
+) -> tuple[FloatArray, list[Finding]]:
+    """Return an angle without what it jumps by where it wraps: whole turns, or the range of a register."""
     jump = np.diff(theta[index])
     turns = np.rint(jump / math.tau)
     usual = np.abs(jump[turns == 0.0])
     # A knob that turns half a turn from row to row cannot be told from one that wraps.
     most = float(usual.max()) if usual.size else math.inf
     wraps = (turns != 0.0) & (np.abs(jump - math.tau * turns) <= 2.0 * most)
+    by = math.tau * turns
+    what = said("jumps by whole turns")
+    if (found := _register(t[index], theta[index], jump)) is not None:
+        wraps, size = found
+        most, by = 0.0, size * np.sign(jump)
+        what = said("jumps by {size:.5g}, from one end of its range to the other,", size=size)
     if not wraps.any() or most > 0.25 * math.pi or wraps.sum() > len(index) // 10:
         return theta, []
     at = rows[index[1:][wraps]]
     theta = theta.copy()
-    theta[index[1:]] -= math.tau * np.cumsum(np.where(wraps, turns, 0.0))
+    theta[index[1:]] -= np.cumsum(np.where(wraps, by, 0.0))
     words = said(
-        "{theta}: jumps by whole turns at {rows}, where it wraps; it is taken on from there",
+        "{theta}: {what} at {rows}, where it wraps; it is taken on from there",
+        what=what,
         rows=rows_in_words(at),
     )
     return theta, [Finding("wrap", "theta", len(at), spans(at), words, "mended")]
+
+
+def _register(t: FloatArray, theta: FloatArray, jump: FloatArray) -> tuple[BoolArray, float] | None:
+    """Return where an angle leaps through all its range, as a register of ±12.5 rad does, and by how much.
+
+    By whole turns it would be 0.13 rad off behind each. None where these leaps are none, or whole turns.
+    """
+    low, high = float(theta.min()), float(theta.max())
+    wraps = np.abs(jump) > _THROUGH * (high - low)
+    if wraps.sum() < _LEAPS or wraps[0] or wraps[-1] or (wraps[1:] & wraps[:-1]).any():
+        return None
+    most = float(np.abs(jump[~wraps]).max())
+    at = np.flatnonzero(wraps)
+    ends = np.sort(np.stack([theta[at], theta[at + 1]]), axis=0)
+    if (ends[0] > low + 2.0 * most).any() or (ends[1] < high - 2.0 * most).any():
+        return None
+    speed = jump / np.diff(t)
+    leaps = np.abs(jump[at] - 0.5 * (speed[at - 1] + speed[at + 1]) * np.diff(t)[at])
+    size = float(np.median(leaps))
+    error = float(np.abs(leaps - size).max())
+    if error > most or abs(size - math.tau * np.rint(size / math.tau)) <= 2.0 * error:
+        return None
+    return wraps, size
 
 
 def _expected(step: FloatArray, dt: FloatArray, least: float) -> tuple[FloatArray, float]:

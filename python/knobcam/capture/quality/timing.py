@@ -234,6 +234,8 @@ def _implausible(rate: float) -> list[Finding]:
     slowest, fastest = PLAUSIBLE_RATE_HZ
     if slowest <= rate <= fastest:
         return []
-    unit = "ms or us, map t=... [ms]" if rate < slowest else "ks, or the counter of a clock, map its unit"
+    unit = (
+        "ms or us, map t=... [ms]" if rate < slowest else "min or h, or the counter of a clock, map its unit"
+    )
     found = said("{t}: a sampling rate of {rate:.4g} Hz is unusual", rate=rate)
     return [Finding("rate", "t", 1, (), found, "note", Advice(f"if t is in {unit}", "unit"))]
