@@ -6,6 +6,7 @@ from pathlib import Path
 
 import httpx
 import pytest
+from brake import braked_knob
 from workbench_server import served
 
 import knobcam as kc
@@ -50,8 +51,27 @@ def sprung() -> kc.Capture:
 
 
 @pytest.fixture(scope="session")
+def recording(sprung: kc.Capture, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same in a file."""
+    return sprung.save(tmp_path_factory.mktemp("captures") / "sprung.npz")
+
+
+@pytest.fixture(scope="session")
 def story(sprung: kc.Capture) -> kc.LearningResult:
     return kc.learn(sprung)
+
+
+@pytest.fixture(scope="session")
+def alike() -> kc.LearningResult:
+    """A spring that is felt through a small angle alone: other torques of position do nearly as well."""
+    knob = kc.hiding("knob4", "return_spring", motion="multisine")
+    return kc.learn(kc.simulate(knob, "multisine", noise=kc.SensorNoise(tau_sd=6e-3), duration_s=3.0, seed=3))
+
+
+@pytest.fixture(scope="session")
+def braked() -> kc.Capture:
+    """A knob with a brake that no effect of the catalogue is."""
+    return braked_knob(0.016, 1.3)
 
 
 @pytest.fixture

@@ -9,17 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from measurements import ROOT, SHARED, real
 
 from knobcam.capture import load
-
-ROOT = Path(__file__).resolve().parents[1]
-SHARED = Path(os.environ.get("KNOBCAM_SHARED_DATA", ROOT.parent / "shared" / "data"))
-
-
-def real(path: Path) -> Path:
-    if not path.exists():
-        pytest.skip(f"{path} is absent; set KNOBCAM_SHARED_DATA to the folder of real measurements")
-    return path
 
 
 def test_the_emps_axis_reads_from_its_matlab_file() -> None:

@@ -100,7 +100,7 @@ def named(ladder: list[LearningStep], left: Any, base: tuple[str, ...] = BASE) -
 def test_what_came_in_is_named_and_what_is_left_is_said(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(selection, "width", lambda fit: None)
     monkeypatch.setattr(selection, "at_bounds", lambda fit: {})
-    monkeypatch.setattr(selection, "untold", lambda prepared: None)
+    monkeypatch.setattr(selection, "tells_nothing", lambda prepared: None)
     done, open_ = comparison(True), comparison(False, split("velocity", 0.3), split("time", 0.2))
     ladder = climbed(("stribeck", 1.5), ("quadratic_drag", 1.0))
     assert named(ladder, done) == (("stribeck", "quadratic_drag"), None)

@@ -6,7 +6,6 @@ import contextlib
 import functools
 import io
 import math
-import os
 import re
 import runpy
 import shlex
@@ -18,6 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 from command import knobcam
+from measurements import ROOT, SHARED, real
 from small import COUPLINGS
 
 import knobcam as kc
@@ -26,12 +26,10 @@ from knobcam.learn import designing, learning
 from knobcam.rig.emulator import EmulatedRig
 from knobcam.show import batch_report, report
 
-ROOT = Path(__file__).resolve().parents[1]
 README = ROOT / "README.md"
 PAGES = [README, *sorted((ROOT / "docs").glob("*.md"))]
 OTHERS = [ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]  # about the sources: nothing in them is run here
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
-SHARED = Path(os.environ.get("KNOBCAM_SHARED_DATA", ROOT.parent / "shared" / "data"))
 NOT_RUN = "<!-- not run: builds -->"
 """Stands above a snippet that builds or installs; any other is run."""
 PRINTED = "<!-- printed -->"
@@ -122,9 +120,7 @@ def lay_out(page: Path) -> None:
     """Put the measurements that a page is about into the current folder, or skip it where they are absent."""
     for listed in re.findall(r"^<!-- data: (.*) -->$", page.read_text("utf-8"), re.M):
         for name in listed.split():
-            if not (SHARED / name).is_file():
-                pytest.skip(f"{SHARED / name} is absent; set KNOBCAM_SHARED_DATA to the folder that has it")
-            Path(Path(name).name).symlink_to(SHARED / name)
+            Path(Path(name).name).symlink_to(real(SHARED / name))
 
 
 def read_toml(text: str, where: str) -> None:
@@ -250,9 +246,7 @@ def test_every_snippet_of_a_page_runs_and_prints_what_is_shown(
 @pytest.mark.usefixtures("searched_once")
 def test_the_servo_of_a_page_that_let_go_is_said_to_and_without_that_its_run_is_at_odds() -> None:
     """Four runs of one servo; in one of them it swings free for four seconds, which no voltage tells."""
-    runs = sorted((SHARED / "bam_xl330").glob("*.json"))
-    if len(runs) < 4:
-        pytest.skip(f"{SHARED / 'bam_xl330'} is absent; set KNOBCAM_SHARED_DATA to the folder that has it")
+    runs = sorted(real(SHARED / "bam_xl330").glob("*.json"))
     captures = [kc.load(run) for run in runs]
     let_go = [[one.count for one in run.findings if one.kind == "let_go"] for run in captures]
     assert let_go == [[], [1138], [], []]

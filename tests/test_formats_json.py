@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import gzip
 import json
-import os
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from command import knobcam, refused
+from measurements import SHARED, real
 
 import knobcam as kc
 from knobcam.capture.formats import read_table
 from knobcam.errors import InputError
 
-SHARED = Path(os.environ.get("KNOBCAM_SHARED_DATA", Path(__file__).resolve().parents[2] / "shared" / "data"))
-BAM = SHARED / "bam_xl330"
 N = 300
 T = np.arange(N) / 200.0
 THETA = np.sin(7.0 * T)
@@ -138,7 +136,6 @@ def test_a_folder_of_runs_is_its_captures_for_a_command_of_several(tmp_path: Pat
     assert [Path(one["path"]).name for one in ended.document["captures"]] == ["a.json", "b.json"]
 
 
-@pytest.mark.skipif(not BAM.exists(), reason=f"{BAM} is absent; set KNOBCAM_SHARED_DATA")
 @pytest.mark.parametrize("form", ["documents", "rows", "named", "columns"])
 def test_several_runs_in_one_file_are_chosen_between(form: str, tmp_path: Path) -> None:
     runs = [bam(vin=7.4), bam(vin=7.0)]
@@ -166,7 +163,7 @@ def test_a_run_alone_in_a_list_is_that_run(tmp_path: Path) -> None:
 
 
 def test_the_duty_of_a_real_servo_has_a_sign_and_ends_at_one() -> None:
-    for path in sorted(BAM.glob("*.json")):
+    for path in sorted(real(SHARED / "bam_xl330").glob("*.json")):
         columns = read_table(path).columns
         assert columns["load"].max() > 60000.0
         assert -1.0 <= columns["duty"].min() < -0.05 and columns["duty"].max() <= 1.0

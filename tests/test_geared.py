@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import numpy as np
 import pytest
+from measurements import SHARED, real
 
 import knobcam as kc
-
-SHARED = Path(os.environ.get("KNOBCAM_SHARED_DATA", Path(__file__).resolve().parents[2] / "shared" / "data"))
-SERVO = SHARED / "bam_xl330" / "2026-01-15_10h29m04.json"
 
 
 def pendulum(mu: float, share: float, seed: int) -> kc.Capture:
@@ -63,9 +60,9 @@ def test_what_else_presses_is_weighed_against_the_detents_where_both_are_there(t
     assert both.params["load_friction.s_theta"].role == "free"
 
 
-@pytest.mark.skipif(not SERVO.exists(), reason=f"{SERVO} is absent; set KNOBCAM_SHARED_DATA")
 def test_a_servo_with_a_pendulum_rubs_by_gravity_and_inertia() -> None:
-    capture = kc.load(SERVO, map="t=timestamp, theta=position, tau=0.085*duty*input_volts")
+    servo = real(SHARED / "bam_xl330" / "2026-01-15_10h29m04.json")
+    capture = kc.load(servo, map="t=timestamp, theta=position, tau=0.085*duty*input_volts")
     weighed = kc.fit(capture, detents="no").add("unbalance")
     geared = weighed.add("load_friction")
     assert geared.rmse < 0.85 * weighed.rmse and geared.rmse_heldout < 0.85 * weighed.rmse_heldout

@@ -217,14 +217,22 @@ def test_another_joint_is_fitted_from_where_the_one_that_came_in_ended(monkeypat
     assert contenders._fit(story, ("offset",)) == (first, "offset", "alone")
 
 
-def test_a_joint_is_instead_of_nothing_beside_one_that_stays():
-    def came(added: str, *others: str) -> Any:
-        return SimpleNamespace(added=added, weights=dict.fromkeys(others, 0.3), equivalent=())
-
-    steps = [came("compliance", "backlash", "stribeck"), came("stribeck", "backlash", "presliding", "offset")]
+def came(added: str, *others: str) -> Any:
+    """A step of a ladder that ends with a joint and two more effects."""
     model = SimpleNamespace(coordinate="rotary", effects=(*BASE, "compliance", "stribeck", "offset"))
-    story: Any = SimpleNamespace(ladder=steps, model=model)
-    assert contenders.untold(story) == [("compliance", "backlash"), ("stribeck", "presliding")]
+    fit = SimpleNamespace(model=model)
+    return SimpleNamespace(added=added, weights=dict.fromkeys(others, 0.3), equivalent=(), fit=fit)
+
+
+def test_a_joint_is_instead_of_nothing_beside_one_that_stays():
+    steps = [came("compliance", "backlash", "stribeck"), came("stribeck", "backlash", "presliding", "offset")]
+    assert contenders.untold(steps) == [("compliance", "backlash"), ("stribeck", "presliding")]
+
+
+def test_what_came_in_and_went_again_is_not_told_from_anything():
+    assert contenders.untold([came("unbalance", "cogging"), came("stribeck", "presliding")]) == [
+        ("stribeck", "presliding")
+    ]
 
 
 def test_a_joint_that_is_none_by_its_values_does_not_come_in_beside_a_companion():

@@ -185,11 +185,13 @@ def test_of_how_sure_names_are_among_any_rivals() -> None:
         wider = rivals.with_choice(fitted(rng, base).params, steps)
         told.put("  wider", {name: [one.value, *one.ci95, one.se] for name, one in wider.items()})
         step = SimpleNamespace(
-            added=added, weights=rivals.weights(diagnosis, added), equivalent=could[0].equivalent
+            added=added,
+            weights=rivals.weights(diagnosis, added),
+            equivalent=could[0].equivalent,
+            fit=SimpleNamespace(model=SimpleNamespace(effects=(added,), coordinate="rotary")),
         )
-        ladder, model = [SimpleNamespace(added=None), step], SimpleNamespace(effects=(), coordinate="rotary")
-        story: Any = SimpleNamespace(found=(added,), ladder=ladder, model=model)
-        untold = contenders.untold(story)
+        ladder: Any = [SimpleNamespace(added=None), step]
+        untold = contenders.untold(ladder)
         told.put("  untold", [" for ".join(pair) for pair in untold])
         told.put("  instead", [" ".join(contenders._instead((*effects[:2],), *pair)) for pair in untold])
     told.put("nobody", rivals.weights(None, "stribeck"))

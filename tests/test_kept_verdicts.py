@@ -88,7 +88,7 @@ def test_of_what_a_ladder_says_in_the_end(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(selection, "at_bounds", lambda fit: {})
     monkeypatch.setattr(headline, "within_rounding", lambda fit: None)
     for one in (selection, headline):
-        monkeypatch.setattr(one, "untold", lambda prepared: None)
+        monkeypatch.setattr(one, "tells_nothing", lambda prepared: None)
     for at in range(150):
         fit = whole(rng)
         ladder = [LearningStep(fit)]

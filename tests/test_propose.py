@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from brake import braked_knob
 from command import knobcam, refused
 from small import COUPLINGS
 
@@ -19,11 +18,6 @@ from knobcam.fit.estimate import Estimate
 from knobcam.learn.proposals import Proposals
 from knobcam.learn.proposing import _ordered
 from knobcam.workbench import surface
-
-
-@pytest.fixture(scope="module")
-def braked() -> kc.Capture:
-    return braked_knob(0.016, 1.3)
 
 
 @pytest.fixture(scope="module")

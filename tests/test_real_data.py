@@ -3,30 +3,21 @@
 from __future__ import annotations
 
 import json
-import os
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from measurements import SHARED, real
 from scipy.stats import binom  # type: ignore[import-untyped]
 
 import knobcam as kc
 
-ROOT = Path(__file__).resolve().parents[1]
-SHARED = Path(os.environ.get("KNOBCAM_SHARED_DATA", ROOT.parent / "shared" / "data"))
 PRACTICE = SHARED.parent / "practice"
 EMPS = SHARED / "emps" / "DATA_EMPS.mat"
 ODRIVE = SHARED / "odrive_cogging" / "slow2_slower_nocomp_0.npy"
 # As its authors prepare the axis (Janot, Gautier & Brunot 2019).
 AS_PUBLISHED: dict[str, Any] = {"prepare": "differences", "cutoff_hz": 100.0, "decimate": 10.0}
-
-
-def real(path: Path) -> Path:
-    if not path.exists():
-        pytest.skip(f"{path} is absent; set KNOBCAM_SHARED_DATA to the folder of real measurements")
-    return path
 
 
 @cache

@@ -8,13 +8,6 @@ import knobcam as kc
 from knobcam.learn.rivals import in_percent, with_choice
 
 
-@pytest.fixture(scope="module")
-def alike() -> kc.LearningResult:
-    """A spring that is felt through a small angle alone: other torques of position do nearly as well."""
-    knob = kc.hiding("knob4", "return_spring", motion="multisine")
-    return kc.learn(kc.simulate(knob, "multisine", noise=kc.SensorNoise(tau_sd=6e-3), duration_s=3.0, seed=3))
-
-
 def test_weights_add_up_to_one_and_the_rivals_are_in_the_document(alike: kc.LearningResult) -> None:
     step = alike.ladder[1]
     assert sum(step.weights.values()) == pytest.approx(1.0, abs=0.01)

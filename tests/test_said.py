@@ -44,7 +44,7 @@ def learned(
 
 
 def test_the_verdict_is_one_sentence_and_never_says_more_than_is_known(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(headline, "untold", lambda prepared: None)
+    monkeypatch.setattr(headline, "tells_nothing", lambda prepared: None)
     monkeypatch.setattr(headline, "within_rounding", lambda fit: None)
     cut = Cut("budget", 2.0, ("stribeck",))
     one, two = ("stribeck",), ("stribeck", "offset")

@@ -69,13 +69,6 @@ def test_where_captures_tell_them_already_it_is_that_of_the_motion_alone() -> No
     assert d_of(math.nan, 8.0, 20.0) == 8.0
 
 
-@pytest.fixture(scope="module")
-def alike() -> kc.LearningResult:
-    """A spring that is felt through a small angle alone: other torques of position do nearly as well."""
-    knob = kc.hiding("knob4", "return_spring", motion="multisine")
-    return kc.learn(kc.simulate(knob, "multisine", noise=kc.SensorNoise(tau_sd=6e-3), duration_s=3.0, seed=3))
-
-
 def test_what_captures_say_of_a_tie_is_the_odds_that_learn_has(alike: kc.LearningResult) -> None:
     rivals = contenders(alike, ())
     leads = Telling(rivals).leads

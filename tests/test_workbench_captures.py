@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-import os
 import signal
 from pathlib import Path
 
 import numpy as np
 import pytest
 from command import knobcam, refused
+from measurements import SHARED, real
 from scipy.signal import lfilter
 from workbench_server import started
 
@@ -21,13 +21,7 @@ from knobcam.workbench.bench import Bench
 from knobcam.workbench.closing import close
 from knobcam.workbench.preview import Unmapped, explained
 from knobcam.workbench.session import Session
-
-ROOT = Path(__file__).parents[1]
-SHARED = Path(os.environ.get("KNOBCAM_SHARED_DATA", ROOT.parent / "shared" / "data"))
-
-
-def quiet(_: str, __: float | None = None, *, last: bool = False) -> None:
-    return
+from knobcam.workbench.tell import quiet
 
 
 def two(tmp_path: Path, session: Session) -> tuple[str, str]:
@@ -114,9 +108,7 @@ def test_a_file_of_one_column_is_said_to_be_no_capture_in_no_names_of_columns(tm
 
 def test_what_is_said_to_be_missing_is_not_said_to_be_needless_once_it_is_added() -> None:
     """Of few independent samples an effect cannot pay its price, though nothing else explains the rest."""
-    path = SHARED / "dfki_pendulum" / "pd_system_identification.csv"
-    if not path.is_file():
-        pytest.skip(f"{path} is absent; set KNOBCAM_SHARED_DATA to the folder of real measurements")
+    path = real(SHARED / "dfki_pendulum" / "pd_system_identification.csv")
     session = Session()
     session.open(str(path))
     session.weigh()

@@ -25,11 +25,8 @@ from knobcam.workbench import challenge, journal, kept, saving
 from knobcam.workbench.bench import Bench
 from knobcam.workbench.journal import Journal
 from knobcam.workbench.sources import Simulated
+from knobcam.workbench.tell import quiet
 from knobcam.workbench.tree import Start
-
-
-def quiet(_: str, __: float | None = None, *, last: bool = False) -> None:
-    return
 
 
 @pytest.fixture

@@ -22,11 +22,7 @@ from knobcam.workbench.proposing import doubt_of, looked_for, taken, typed
 from knobcam.workbench.script import script
 from knobcam.workbench.session import Session
 from knobcam.workbench.state import document
-
-
-@pytest.fixture(scope="module")
-def braked() -> kc.Capture:
-    return braked_knob(0.016, 1.3)
+from knobcam.workbench.tell import quiet
 
 
 @pytest.fixture
@@ -43,10 +39,6 @@ def speed(words: list[str]) -> float:
     [said] = [word.split() for word in words if word.startswith("w = ")]
     assert "rad/s" in said
     return float(said[2])
-
-
-def quiet(_: str, __: float | None = None, *, last: bool = False) -> None:
-    return
 
 
 def state(client: httpx.Client) -> dict[str, Any]:

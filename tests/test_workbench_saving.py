@@ -13,10 +13,7 @@ from knobcam.errors import InputError
 from knobcam.show import plot
 from knobcam.workbench import saving
 from knobcam.workbench.session import Session
-
-
-def quiet(_: str, __: float | None = None, *, last: bool = False) -> None:
-    return
+from knobcam.workbench.tell import quiet
 
 
 def test_a_model_a_report_and_pictures_are_saved(

@@ -28,11 +28,6 @@ from knobcam.workbench.session import Session
 from knobcam.workbench.tell import quiet
 
 
-@pytest.fixture(scope="module")
-def recording(sprung: kc.Capture, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return sprung.save(tmp_path_factory.mktemp("captures") / "sprung.npz")
-
-
 @pytest.fixture
 def searched(recording: Path) -> Session:
     session = Session()

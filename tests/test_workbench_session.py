@@ -20,16 +20,8 @@ from knobcam.workbench import arrays, saving, state
 from knobcam.workbench.jobs import Cancelled, Job, Worker
 from knobcam.workbench.learned import ladder
 from knobcam.workbench.session import Session
+from knobcam.workbench.tell import quiet
 from knobcam.workbench.tree import Start
-
-
-def quiet(_: str, __: float | None = None, *, last: bool = False) -> None:
-    return
-
-
-@pytest.fixture(scope="module")
-def recording(sprung: kc.Capture, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return sprung.save(tmp_path_factory.mktemp("captures") / "sprung.npz")
 
 
 @pytest.fixture

@@ -105,6 +105,11 @@ impl pulp::WithSimd for Few<'_> {
     }
 }
 
+/// Root mean square; 0 of nothing.
+pub fn rms(x: &[f64]) -> f64 {
+    (dot(x, x) / x.len().max(1) as f64).sqrt()
+}
+
 /// Sum of weighted squares.
 pub fn squares(x: &[f64], weight: &[f64]) -> f64 {
     isa::dispatch_wide(Squares { x, weight })

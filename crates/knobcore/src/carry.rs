@@ -1,6 +1,6 @@
 //! Carriers: what an effect costs on a knob, in a motion, to the sensors that watch it.
 
-use crate::algebra::{dot, orthonormal, project};
+use crate::algebra::{dot, orthonormal, project, rms};
 use crate::effects::{Carrier, Id, Survey};
 use crate::model::Model;
 use crate::param::Axis;
@@ -127,10 +127,6 @@ fn counted(signals: &Signals) -> Vec<f64> {
 
 fn weigh(x: &mut [f64], weights: &[f64]) {
     x.iter_mut().zip(weights).for_each(|(x, weight)| *x *= weight);
-}
-
-fn rms(x: &[f64]) -> f64 {
-    (dot(x, x) / x.len().max(1) as f64).sqrt()
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ from ..base.said import OfParam, said
 from ..capture.formats.units import VOLTAGES
 from ..model.effects import base_effects
 from .plausible import REVERSED, per_speed, torque_of
-from .uncounted import untold
+from .uncounted import tells_nothing
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -78,7 +78,7 @@ def doubts(fit: Fit) -> tuple[str, ...]:
             "position and acceleration move together, so inertia cannot be told from a stiffness over "
             "position: record a motion of more than one frequency"
         )
-    lost = untold(fit.prepared)
+    lost = tells_nothing(fit.prepared)
     found += [lost] if lost is not None else []
     found += [fit.ahead.message] if fit.ahead and fit.ahead.severity == "warning" else []
     if astray(fit):

@@ -32,7 +32,7 @@ def at_rest(prepared: Sequence[Prepared]) -> str | None:
     )
 
 
-def untold(prepared: Sequence[Prepared]) -> str | None:
+def tells_nothing(prepared: Sequence[Prepared]) -> str | None:
     """Return why nothing that is missing can be told of captures, whatever their noise; None where it can."""
     return uncounted(prepared) or ramped(prepared)
 

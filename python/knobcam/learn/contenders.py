@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from ..capture.formats.units import Coordinate
     from ..fit import Fit
+    from .ladder import LearningStep
     from .learning import LearningResult
 
 BASE = "base"
@@ -34,7 +35,7 @@ def contenders(story: LearningResult, asked: Sequence[str]) -> tuple[Rival, ...]
         sets = [_parsed(one, story) for one in asked]
         return tuple(Rival(one, _fit(story, one)) for one in sets)
     found = story.found
-    others = [_instead(found, added, other) for added, other in untold(story)]
+    others = [_instead(found, added, other) for added, other in untold(story.ladder)]
     if not others:
         return ()
     sets = list(dict.fromkeys((found, *others)))[:_MOST]
@@ -47,23 +48,33 @@ def contenders(story: LearningResult, asked: Sequence[str]) -> tuple[Rival, ...]
     return tuple(rivals) if len(rivals) > 1 else ()
 
 
-def untold(story: LearningResult) -> list[tuple[str, str]]:
-    """Return what came in at a step and what could have come in instead, the likeliest first.
+def untold(steps: Sequence[LearningStep]) -> list[tuple[str, str]]:
+    """Return what came in on a ladder and what could have come in instead, the likeliest first.
 
-    What the model has now is not instead of anything, nor is a joint beside one that stays.
+    What went again is not told from anything; what the model has now is not instead of anything, nor is a
+    joint beside one that stays.
     """
-    there, joined = set(story.model.effects), set(joints(story.model.coordinate))
+    model = steps[-1].fit.model
+    there, joined = set(model.effects), set(joints(model.coordinate))
     rows = []
-    for step in story.ladder:
-        if step.added is None:
+    for step in steps:
+        if step.added is None or step.added not in there:
             continue
         weights = step.weights
         likely = [one for one, weight in weights.items() if weight >= _LIKELY]
         for other in dict.fromkeys((*step.equivalent, *likely)):
             second = other in joined and bool(joined & there - {step.added})
-            if other not in (*there, step.added) and not second:
+            if other not in there and not second:
                 rows.append((-weights.get(other, 0.0), step.added, other))
     return [(added, other) for _, added, other in sorted(rows)]
+
+
+def untold_of_each(steps: Sequence[LearningStep]) -> dict[str, list[str]]:
+    """Return the same by what came in."""
+    found: dict[str, list[str]] = {}
+    for added, other in untold(steps):
+        found.setdefault(added, []).append(other)
+    return found
 
 
 def _instead(found: Sequence[str], added: str, other: str) -> tuple[str, ...]:

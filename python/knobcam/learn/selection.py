@@ -15,7 +15,7 @@ from ..fit.doubts import at_bounds
 from ..fit.plausible import columns_at_fault, filtered_off, friction_drives
 from ..fit.refit import converged, drop, gain, needed, needless, with_clipped
 from ..fit.rule import RULE
-from ..fit.uncounted import untold
+from ..fit.uncounted import tells_nothing
 from ..fit.verdict import CHOSEN, judged, within_law
 from ..model.effects import base_effects_shown, clipping, descriptions
 from .cut import Cut, Deadline, OutOfTime
@@ -188,7 +188,7 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
     if (fault := end.log_fault) is not None:
         # What is wrong is the log, not the knob.
         return Selection(tuple(ladder), (), last, Unexplained("load", 1.0, fault))
-    if (lost := untold(end.prepared)) is not None:
+    if (lost := tells_nothing(end.prepared)) is not None:
         # Of the tenth that counts effects explain what they like, and of a line over time what drifts.
         return Selection(tuple(ladder), (), last, Unexplained("load", 1.0, lost))
     unexplained = None if within_law(end) else _unexplained(last.comparison)

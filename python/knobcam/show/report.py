@@ -17,7 +17,7 @@ from ..base.writing import write as write_file
 from ..fit.estimate import rows_of
 from ..fit.refit import percent
 from ..fit.unheard import unheard
-from ..learn.contenders import untold
+from ..learn.contenders import untold_of_each
 from ..model.effects import effect as catalogued
 from .look_page import section
 from .markup import bullets, figure, law, paragraph, style, wide_table
@@ -104,14 +104,10 @@ def _untold(learned: LearningResult) -> str:
     What nothing explains is the headline of the page.
     """
     kind = learned.model.coordinate
-    alike: dict[str, list[str]] = {}
-    for added, other in untold(learned):
-        if other in learned.model.effects:
-            continue  # it came in later, beside the first
-        alike.setdefault(effect_word(added, kind), []).append(effect_word(other, kind))
     said = [
-        f"{added} from {or_words(others)}: {'either' if len(others) == 1 else 'each'} explains these captures"
-        for added, others in alike.items()
+        f"{effect_word(added, kind)} from {or_words([effect_word(other, kind) for other in others])}: "
+        f"{'either' if len(others) == 1 else 'each'} explains these captures"
+        for added, others in untold_of_each(learned.ladder).items()
     ]
     said += [worded(one.message, kind) for one in learned.limitations]
     fit = learned.fit
@@ -128,7 +124,7 @@ def _untold(learned: LearningResult) -> str:
 
 def _next(learned: LearningResult) -> str:
     said = []
-    if untold(learned):
+    if untold_of_each(learned.ladder):
         how = "Tell apart in the workbench, or `knobcam next`,"
         said.append(f"the motion that tells them apart, which {how} designs for these captures")
     said += dict.fromkeys(one.record for one in learned.limitations)

@@ -14,6 +14,7 @@ from ..errors import InputError
 from ..fit.doubts import may_be_nothing, unsettled
 from ..fit.plausible import out_of_range
 from ..learn import LearningResult
+from ..learn.contenders import untold_of_each
 from ..learn.limitations import limitations
 from ..learn.limits import Limits
 from ..model.effects import base_effects, base_effects_shown, effects, titles
@@ -105,7 +106,7 @@ def document(session: Session) -> pages.Session:
         "disagreements": [one.sentence.document() for one in disagreed],
         "titles": titles(fitted.model.coordinate),
         "absent": [one for one in told.absent if one["effect"] not in foreign],
-        "untold": _untold(steps),
+        "untold": [[added, *others] for added, others in untold_of_each(steps).items()],
         "proposed": proposing.document(laws),
         "proposed_said": proposing.headline(laws),
         "curve": proposing.curve(laws),
@@ -287,17 +288,6 @@ def _source(session: Session, shown: Designed) -> str | None:
     """What a motion can be recorded from at once, in words."""
     found = origin([session.captures[one] for one in session.captures_of(shown)])
     return None if found is None else found.words
-
-
-def _untold(steps: list[LearningStep]) -> list[list[str]]:
-    """Effects that came in, each with those that could have come in instead."""
-    there = steps[-1].effects
-    found = []
-    for step in steps:
-        others = [one for one in step.equivalent if one not in there]
-        if step.added in there and step.added is not None and others:
-            found.append([step.added, *others])
-    return found
 
 
 def _moved(name: str, now: Parameter, view: View) -> bool:

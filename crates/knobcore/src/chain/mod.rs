@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Whatever moves a knob goes through here. A motion that is prescribed is followed by inverse dynamics over whole
-//! columns ([`along`]: predictions, fits, captures from a model, the emulated rig) or sample by sample (the render
+//! columns ([`along`](fn@along): predictions, fits, captures from a model, the emulated rig) or sample by sample (the render
 //! step), behind a joint through the [`Hidden`] knob in both; a force makes a motion through [`Driven`]. There is one
 //! law of dry friction ([`Load::friction`](crate::motion::Load::friction) and
 //! [`Load::sticking`](crate::motion::Load::sticking)) and one [stepper](Body).
@@ -16,31 +16,16 @@ mod stepper;
 
 // Whole columns and what pushes a knob are for those who measure: a renderer follows samples.
 #[cfg(feature = "std")]
-mod behind;
+mod along;
 #[cfg(feature = "std")]
-mod block;
-#[cfg(feature = "std")]
-mod columns;
-#[cfg(feature = "std")]
-mod driven;
-#[cfg(feature = "std")]
-mod push;
-#[cfg(feature = "std")]
-mod rigid;
+mod pushed;
 
+#[cfg(feature = "std")]
+pub use along::{Block, along, knob, loads, sensors, several};
 pub use hidden::{Beside, Hidden, Instant};
+#[cfg(feature = "std")]
+pub use pushed::{Drive, Driven, Hand, Pushed, push, steps};
 pub use stepper::{Acts, Body};
-
-#[cfg(feature = "std")]
-pub use behind::knob;
-#[cfg(feature = "std")]
-pub use block::Block;
-#[cfg(feature = "std")]
-pub use columns::{along, loads, sensors, several};
-#[cfg(feature = "std")]
-pub use driven::{Drive, Driven, steps};
-#[cfg(feature = "std")]
-pub use push::{Hand, Pushed, push};
 
 /// Steps of a hidden knob from one sample to the next.
 pub const SUBSTEPS: usize = 4;

@@ -8,7 +8,7 @@
 //! torque, where the motion that is told from noise has none either.
 
 use super::motion::{Moving, below};
-use crate::algebra::dot;
+use crate::algebra::{dot, rms};
 use crate::filter::ZeroPhase;
 use crate::param::Axis;
 use nalgebra::{DMatrix, DVector};
@@ -120,7 +120,6 @@ impl Band {
             quarter.extend(inside.clone().map(|at| acceleration[at + 1] - acceleration[at - 1]));
             tau.extend_from_slice(&torque[inside]);
         }
-        let rms = |column: &[f64]| (dot(column, column) / column.len() as f64).sqrt();
         let (acceleration, torque) = (rms(&alpha), rms(&tau));
         let inertia = dot(&alpha, &tau) / dot(&alpha, &alpha);
         let samples = tau.len() as f64 / rows;

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 _FOLDER = Path(__file__).parents[1] / "lib"
 _SHARED = {"darwin": "libknobstep.dylib", "win32": "knobstep.dll"}
 _STATIC = {"win32": "knobstep.lib"}
-_BUILD = "cargo build --release --package knobstep"
 _ROOM = 400  # bytes of the line in which the library refuses a model
 
 
@@ -29,8 +28,8 @@ def shared() -> Path:
     path = _FOLDER / _SHARED.get(sys.platform, "libknobstep.so")
     if not path.is_file():
         raise InputError(
-            f"{path}: is missing, and with it what runs a model outside of Python; build it in a checkout "
-            f"with `{_BUILD}` and put it there"
+            f"{path}: is missing, and with it what runs a model outside of Python; `python3 dev.py setup` "
+            "builds it in a checkout, and a wheel has it"
         )
     return path
 

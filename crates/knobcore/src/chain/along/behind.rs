@@ -1,7 +1,7 @@
 //! The chain on a motion that is prescribed, through a joint: the hidden knob's torque and its derivatives.
 
-use super::hidden::{Beside, Hidden};
 use super::rigid;
+use crate::chain::hidden::{Beside, Hidden};
 use crate::effects::law::{CARRIED, Carried, D, Response};
 use crate::effects::{Id, Place};
 use crate::isa;

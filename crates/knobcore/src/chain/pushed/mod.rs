@@ -2,7 +2,10 @@
 //!
 //! A stuck knob has exactly zero velocity and leaves when what would move it exceeds what holds it.
 
-use super::driven::{Drive, Driven, steps};
+mod driven;
+
+pub use driven::{Drive, Driven, steps};
+
 use super::{SUBSTEPS, loads, sensors};
 use crate::effects::Joint;
 use crate::effects::law::Response;

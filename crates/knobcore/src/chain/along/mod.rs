@@ -1,6 +1,12 @@
 //! The chain along whole columns of a motion that is prescribed.
 
-use super::{behind, rigid};
+mod behind;
+mod block;
+mod rigid;
+
+pub use behind::knob;
+pub use block::Block;
+
 use crate::effects::Id;
 use crate::effects::law::Response;
 use crate::model::Model;

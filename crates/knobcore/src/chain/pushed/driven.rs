@@ -3,7 +3,7 @@
 //! What drives it is a torque, or a grip: a joint like any other, from a motion of its own to the shaft. With a joint
 //! of the model behind it the shaft is a body between two.
 
-use super::stepper::{Acts, Body};
+use crate::chain::stepper::{Acts, Body};
 use crate::effects::{BENT, Joint};
 use crate::error::{Error, Result};
 use crate::model::{Model, Rigid};
