@@ -70,30 +70,33 @@ struct Asked<'a> {
 /// # Errors
 /// The term that is most to blame, as the name of the error.
 pub fn check_passive(model: &Model, device: Option<Device>, rate_hz: f64) -> Result<()> {
+    stored(model, device, rate_hz).map(drop)
+}
+
+/// Energy between the highest and the lowest place within its declared range, J, of a model that passes.
+///
+/// # Errors
+/// As of [`check_passive`].
+pub(super) fn stored(model: &Model, device: Option<Device>, rate_hz: f64) -> Result<f64> {
     let own = model.effects().any(Id::calls_out);
     let asked = Asked { model, own, range: Range::of(model) };
     let p = model.values();
-    let told = asked.signs(&p).and_then(|()| asked.stays(&p)).and_then(|()| asked.cycles(&p, rate_hz));
+    let told = asked.signs(&p).and_then(|()| {
+        let places = asked.heights(&p);
+        asked.stays(&p, &places)?;
+        asked.cycles(&p, rate_hz, &places)?;
+        Ok(places.highest - places.lowest)
+    });
     // A formula has a value wherever the knob may go; a function that fails somewhere ends the loop there.
     let failed: Vec<_> = model.failures().collect();
     if let Some((user, why)) = failed.into_iter().find(|(user, _)| user.formula().is_some()) {
         return Err(Error::invalid(format!("effect '{}'", user.info.id), why));
     }
-    told?;
-    match device.filter(|device| !device.held) {
-        Some(device) => rings(model, device, rate_hz),
-        None => Ok(()),
+    let energy = told?;
+    if let Some(device) = device.filter(|device| !device.held) {
+        rings(model, device, rate_hz)?;
     }
-}
-
-/// Energy between the highest and the lowest place of a model within its declared range, J.
-pub(super) fn stored(model: &Model, p: &[f64]) -> f64 {
-    let own = model.effects().any(Id::calls_out);
-    let heights = Asked { model, own, range: Range::of(model) }.heights(p);
-    if own {
-        let _ = model.watched(|| ());
-    }
-    heights.highest - heights.lowest
+    Ok(energy)
 }
 
 /// What the places of a range hold, J, beside the place where it begins. Kept as it is met: of the places there may be many.
@@ -205,8 +208,8 @@ impl Asked<'_> {
     }
 
     /// The angle alone does not drive the handle out of its range, by more than dry friction takes.
-    fn stays(&self, p: &[f64]) -> Result<()> {
-        let Heights { lowest, highest, inner: [inner, _], last, dry } = self.heights(p);
+    fn stays(&self, p: &[f64], places: &Heights) -> Result<()> {
+        let &Heights { lowest, highest, inner: [inner, _], last, dry } = places;
         let span = highest - lowest;
         let rubbed = dry.max(0.0) * 0.5 * self.range.angle + CHANCE * span + UNFELT * self.range.angle;
         for (edge, theta) in [(0.0, -self.range.angle), (last, self.range.angle)] {
@@ -219,12 +222,12 @@ impl Asked<'_> {
     }
 
     /// What is remembered, and what hangs behind a joint, gives out no more than it was given, from rest on.
-    fn cycles(&self, p: &[f64], rate_hz: f64) -> Result<()> {
+    fn cycles(&self, p: &[f64], rate_hz: f64, places: &Heights) -> Result<()> {
         if !self.model.remembers() && self.model.joint(p).is_none() {
             return Ok(());
         }
         // Where the angle alone holds the least: nothing is stored there.
-        let [_, start] = self.heights(p).inner;
+        let [_, start] = places.inner;
         for [share, times] in CYCLES {
             let samples = (CYCLE_S / times * rate_hz).round().max(8.0) as usize;
             let w = TAU * rate_hz / samples as f64;

@@ -2,7 +2,7 @@
 
 use super::device::Device;
 use super::limits::Limits;
-use super::passive::{check_passive, stored};
+use super::passive::stored;
 use super::state::TANK_J;
 use super::step::Renderer;
 use knobcore::error::Result;
@@ -17,10 +17,10 @@ impl Renderer {
     /// A rate that is none, a limit or a device that cannot be, a model that would feed a hand or ring.
     pub fn new(model: &Model, rate_hz: f64, device: Option<Device>, limits: Limits) -> Result<Self> {
         let mut knob = Self::made(model, rate_hz, device, limits)?;
-        check_passive(model, device, rate_hz)?;
+        let energy = stored(model, device, rate_hz)?;
         if knob.limits.torque_rate < f64::INFINITY {
             // A torque that may not change quickly follows a dent late, and gives more than the dent holds.
-            knob.tank = stored(model, &knob.p) + TANK_J;
+            knob.tank = energy + TANK_J;
             knob.state.tank = knob.tank;
         }
         Ok(knob)
