@@ -122,4 +122,5 @@ def _judged(story: LearningResult) -> Said:
         return said(f"{{names}} {was} missing; with {it} {rest} is chance.", names=names)
     if beyond:
         return Said("Nothing is missing of what passes the torque filter: chance explains that.")
-    return Said("Nothing is missing that this capture could show: chance explains the error.")
+    these = "these captures" if len(story.captures) > 1 else "this capture"
+    return Said(f"Nothing is missing that {these} could show: chance explains the error.")
