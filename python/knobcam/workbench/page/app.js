@@ -325,8 +325,11 @@ function drawAxes(brush, size, { x, y, title, colours, noise, bins, spectrum }) 
 function labelWithin(label, room, widthOf) {
   return widthOf(label) <= room ? label : label.slice(label.indexOf(", ") + 1).trim();
 }
+function tickWords(value) {
+  return number(value, 6).replace(/\.?0+e/, "e");
+}
 function ticksOf({ low, high, factor: factor2, log }, count) {
-  if (!log) return ticks(low * factor2, high * factor2, count).map((value) => [value / factor2, number(value, 6)]);
+  if (!log) return ticks(low * factor2, high * factor2, count).map((value) => [value / factor2, tickWords(value)]);
   const few = count / (high - low) >= 3 ? [1, 2, 5] : [1];
   const decades = Array.from({ length: Math.ceil(high) - Math.floor(low) + 1 }, (_, at) => 10 ** (Math.floor(low) + at));
   const shift = Math.log10(factor2);
@@ -2349,7 +2352,7 @@ function drawCurve(canvas, curve, about2, looked) {
   const drawn = laws.map((law) => law?.map((one) => one ?? NaN) ?? null);
   const [low, high] = limits([...edges, ...drawn.filter((law) => law !== null)].map((one) => Float32Array.from(one)), { around: 0 });
   const shown2 = curve.times ? { factor: 1, unit: "" } : torqueScale(about2);
-  const y = { low, high, factor: shown2.factor, label: `left over${curve.times ? ` / (${curve.times})` : `, ${shown2.unit}`}` };
+  const y = { low, high, factor: shown2.factor, label: `left over${curve.times ? ` / ${factorOf(curve.times)}` : `, ${shown2.unit}`}` };
   const names = { ink: "--ink", soft: "--soft", line: "--grid", band: "--band", wrong: "--wrong", law: "--signature", rest: "--measured" };
   const colours = Object.fromEntries(Object.entries(names).map(([name2, style]) => [name2, styleValue(style, canvas)]));
   const first = { low: x[0], high: x[x.length - 1], factor: 1, label: overWords(curve.over, about2) };
@@ -2403,6 +2406,9 @@ function overWords(over, about2) {
   if (!along) return over;
   const label = labelOf(along, about2);
   return inside === over ? label : `|${label.replace(", ", "|, ")}`;
+}
+function factorOf(times2) {
+  return times2 in ALONG ? variableOf(times2) : `(${times2})`;
 }
 function variableOf(variable) {
   const along = (
@@ -5230,13 +5236,14 @@ function plainly({ ready, rows }, about2, to) {
     unsettled ? " to see what is left, not for its values; or " : ", and see what is left; or ",
     { words: "find everything", title: "add step by step all that is missing, sets of effects too", go: () => to.every() },
     " at once.",
-    ...equivalent.length > 0 ? tied(equivalent.map(lead), () => to.apart([effect, ...equivalent])) : []
+    ...equivalent.length > 0 ? tied(first.word === "part", equivalent.map(lead), () => to.apart([effect, ...equivalent])) : []
   ];
 }
-function tied(others, go) {
+function tied(part, others, go) {
   const tell = { words: "Tell apart", title: "design the motion that would tell", go };
-  const named2 = others.flatMap((one, at) => [...at > 0 ? [" or "] : [], one]);
-  return [" This motion looks the same with ", ...named2, ": once nothing else is missing, ", tell, " designs what to record next."];
+  const between3 = (at) => at === 0 ? [] : [at === others.length - 1 ? " or " : ", "];
+  const named2 = others.flatMap((one, at) => [...between3(at), one]);
+  return [part ? " Instead of it, or beside it, it could be " : " This motion looks the same with ", ...named2, ": once nothing else is missing, ", tell, " designs what to record next."];
 }
 
 // src/app.js
