@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import re
+from pathlib import Path
 
 import numpy as np
 
@@ -38,3 +40,12 @@ def test_no_bin_is_told_in_which_there_is_no_sample(sprung: kc.Capture):
     assert len(told["mean"]) == len(told["low"]) == np.sum(whole.count > 0.0)
     middle = 0.55 * sprung.duration_s
     assert not any(low < middle < high for low, high in zip(told["low"], told["high"], strict=True))
+
+
+def test_the_page_draws_every_machine_part_that_an_effect_is_said_to_be() -> None:
+    source = (Path(__file__).parents[1] / "web" / "src" / "section.js").read_text("utf-8")
+    (drawn,) = re.findall(r"const KINDS = \{ ([\w, ]+) \};", source)
+    said = {one.section for axis in ("rotary", "linear") for one in kc.effects(axis).values()}
+    assert said - {None} == {"gap", "spring", "weight", "poles", "fluid", "stops"}
+    assert said - {None} <= {*drawn.split(", ")}
+    assert kc.effects()["backlash"].document()["section"] == "gap"

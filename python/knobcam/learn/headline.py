@@ -122,5 +122,5 @@ def _judged(story: LearningResult) -> Said:
         return said(f"{{names}} {was} missing; with {it} {rest} is chance.", names=names)
     if beyond:
         return Said("Nothing is missing of what passes the torque filter: chance explains that.")
-    these = "these captures" if len(story.captures) > 1 else "this capture"
+    these = "these captures" if len(story.fit.prepared) > 1 else "this capture"
     return Said(f"Nothing is missing that {these} could show: chance explains the error.")
