@@ -58,6 +58,7 @@ def errors() -> None:
     """Print the worst of each form: the error of what is exact, and the ratio of foretold to measured."""
     exact: dict[str, float] = {}
     foretold: dict[str, list[float]] = {}
+    whole: dict[str, list[float]] = {}
     for (name, model), motion, target in product(models().items(), MOTIONS, TARGETS):
         try:
             made = convert(model, target, without=["impossible"], motion=motion, kt=0.05)
@@ -66,6 +67,8 @@ def errors() -> None:
         error = made.measured_error
         if error is None:
             raise SystemExit(f"{name} in {target} was not measured: {made.measured.why_not}")
+        if any(fate.left_out and fate.error > 0.0 for fate in made.fates):
+            whole.setdefault(target, []).append(made.predicted_whole_error / made.measured_whole_error)
         if any(fate.kind == "approximate" for fate in made.fates):
             foretold.setdefault(target, []).append(made.predicted_error / error)
         else:
@@ -75,6 +78,9 @@ def errors() -> None:
     for target, ratios in foretold.items():
         span = f"{min(ratios):.3f} to {max(ratios):.3f}"
         print(f"{target}: foretold / measured {span}, {len(ratios)} cases (0.9 to 1.1)")
+    for target, ratios in whole.items():
+        span = f"{min(ratios):.3f} to {max(ratios):.3f}"
+        print(f"{target}: with what is left out {span}, {len(ratios)} cases (0.9 to 1.1)")
 
 
 def steps(archive: str) -> None:

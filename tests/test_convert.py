@@ -157,6 +157,31 @@ def test_a_form_says_what_becomes_of_every_effect_and_its_file_what_is_missing(t
     assert all(f"Left out: {name}" in file for name in gone)
 
 
+@pytest.mark.parametrize("name", ["knob1", "knob4", "return_spring", "quadratic_drag"])
+def test_what_is_left_out_costs_what_its_own_law_says_and_all_of_it_what_is_measured(name: str) -> None:
+    motion = MOTIONS["hand"]
+    made = convert(various(name), "urdf", without=["impossible"], motion=motion)
+    cost = {fate.effect: fate.error for fate in made.fates if fate.left_out}
+    value = {name: one.value for name, one in made.model.params.items()}
+    moves = np.abs(motion.omega) > 1e-9 * np.abs(motion.omega).max()
+    theta = motion.theta[moves]
+    laws = {
+        "detent": lambda: value["detent.A"] * np.sin(theta / value["detent.P"] + value["detent.S"]),
+        "return_spring": lambda: value["return_spring.k"] * (theta - value["return_spring.theta0"]),
+        "karnopp": lambda: np.zeros_like(theta),  # it holds what stands still
+    }
+    known = [one for one in laws if one in cost]
+    assert known
+    for one in known:
+        assert cost[one] == pytest.approx(np.sqrt(np.mean(laws[one]() ** 2)), rel=1e-6, abs=1e-12)
+    assert made.measured_whole_error == pytest.approx(made.predicted_whole_error, rel=0.1)
+    assert max(cost.values()) <= 1.1 * made.predicted_whole_error
+    said = {row["effect"]: row["predicted_error"] for row in made.document()["effects"]}
+    assert (
+        all(said[one] == error for one, error in cost.items()) and "With what is left out: " in made.summary
+    )
+
+
 def test_an_effect_that_does_nothing_is_impossible_nowhere_and_left_out_nowhere() -> None:
     plain = kc.Model.of(["inertia", "coulomb"], inertia__M=1e-4, coulomb__neg=0.01, coulomb__pos=0.01)
     for effect, row in kc.effects().items():
@@ -201,7 +226,7 @@ def test_a_wrong_call_says_one_line_and_writes_nothing(tmp_path: Path) -> None:
         refused(knobcam("convert", str(model), *map(str, words)), *expected)
 
     out = tmp_path / "out"
-    expected = ("impossible in urdf", "detent, karnopp", "--without impossible")
+    expected = ("impossible in urdf", "detent, karnopp", "--without impossible", "in N m RMS", "detent 0.00")
     call("knob4", "--to", "urdf", "-o", out)
     expected = ("detent", "does not repeat after a turn")
     call("knob4", "--to", "cogging-table", "--without", "impossible", "-o", out)
@@ -251,7 +276,7 @@ def test_a_form_takes_the_motion_at_its_own_rate_and_the_command_knows_every_for
     with pytest.raises(kc.InputError, match="motion: has 5000 samples a second; give one of rate_hz=1000"):
         convert("knob1", "c", motion=MOTIONS["hand"], rate_hz=1000.0)
     made = convert("knob1", "c", motion="hand", rate_hz=1000.0, without=["viscous"])
-    assert right(made) and "Left out: viscous (by request)." in str(made.form.content)
+    assert right(made) and "Left out: viscous (by request), " in str(made.form.content)
 
 
 def test_a_function_in_python_is_impossible_outside_of_it_and_rendered_in_mujoco() -> None:

@@ -23,9 +23,9 @@ def test_values_limits_and_lots_are_read_as_they_were_written(tmp_path: Path):
     rows = several(np.random.default_rng(1), 6) + several(np.random.default_rng(2), 3, "B")
     rows[4]["params"]["inertia.M"] = [None, None, None]
     rows[2]["time"] = "2026-11-24T22:43:44+00:00"
-    store = Store.open(tmp_path / "r", Settings())
+    store = Store(tmp_path / "r", Settings(), LIMITS)
     store.put(rows)
-    store.finish(rows, LIMITS)
+    store.finish(rows)
     BatchResult.read(tmp_path / "r").dfq(tmp_path / "x.dfq")
     assert (
         (tmp_path / "x.dfq")

@@ -90,6 +90,73 @@ def test_an_effect_that_may_not_be_there_fails_a_part_by_its_name(row: Row, tmp_
     assert told["ok"] is False and told["cause"].startswith("backlash: ")
 
 
+def test_a_cause_says_by_how_much_a_part_is_beyond_its_limit_and_how_many_of_its_lot_are(
+    row: Row, tmp_path: Path
+):
+    rows = [made(number, "a", row, verdict="complete") for number in range(40)]
+    for one in rows[:9]:
+        one["params"]["coulomb.pos"] = [0.0124, 0.0123, 0.0125]
+    held = limits(tmp_path, "[parameters]\ncoulomb.pos = { max = 0.0100 }")
+    told = {one["capture"]: one["cause"] for one in judged(rows, held)}
+    middle = np.median([one["params"]["coulomb.pos"][0] for one in rows])
+    said = (
+        "coulomb: dry friction moving forward (coulomb.pos) 24 % above its limit (0.0124 N m, at most 0.01)"
+    )
+    assert told["a/03"] == f"{said}; usual in its lot is {middle:.4g}; 8 of 39 others of its lot too"
+    assert told["a/20"] is None
+    alone = judged([rows[3]], held)[0]["cause"]
+    assert alone == said  # nothing is known of a lot
+    weak = limits(tmp_path, "[parameters]\ncoulomb.pos = { min = 0.0372 }")
+    assert "0.333 times" not in judged([rows[3]], weak)[0]["cause"]
+    assert "66.7 % below its limit" in judged([rows[3]], weak)[0]["cause"]
+    strong = limits(tmp_path, "[parameters]\ncoulomb.pos = { max = 0.0031 }")
+    assert (
+        "(coulomb.pos) 4 times its limit (0.0124 N m, at most 0.0031)"
+        in judged([rows[3]], strong)[0]["cause"]
+    )
+
+
+def test_a_curve_beyond_its_band_has_the_parameter_for_its_cause_that_is_unlike_the_lot(
+    row: Row, tmp_path: Path
+):
+    rows = [made(number, "a", row, verdict="complete") for number in range(20)]
+    rows[4]["params"]["coulomb.pos"] = [0.0124, 0.0123, 0.0125]
+    rows[4]["curve"] = {**row["curve"], "forward": [1.0] * len(row["curve"]["forward"])}
+    held = limits(tmp_path, "[curve.forward]\ntheta = [-0.8, 0.8]\nmin = [-0.5, -0.5]\nmax = [0.5, 0.5]")
+    bad = judged(rows, held)[4]
+    assert bad["failed_limits"] == ["curve.forward"]
+    assert "dry friction moving forward (coulomb.pos)" in bad["cause"]
+    assert "above what is usual in its lot (0.0124 N m, usually" in bad["cause"]
+    rows[5]["curve"] = rows[4]["curve"]
+    assert (
+        judged(rows, held)[5]["cause"] == "not named: nothing was found missing, and no parameter is unusual"
+    )
+
+
+def test_a_part_is_told_by_its_cause_and_what_that_does_not_name(row: Row, tmp_path: Path):
+    rows = [made(number, "a", row, verdict="complete") for number in range(20)]
+    rows[4]["params"]["coulomb.pos"] = [0.0124, 0.0123, 0.0125]
+    rows[4]["curve"] = {**row["curve"], "forward": [1.0] * len(row["curve"]["forward"])}
+    band = "[curve.forward]\ntheta = [-0.8, 0.8]\nmin = [-0.5, -0.5]\nmax = [0.5, 0.5]"
+    held = limits(tmp_path, f"[parameters]\ncoulomb.pos = {{ max = 0.0100 }}\n{band}")
+    told = judged(rows, held)
+    assert len(told[4]["failed_why"]) == 2
+    (one,) = BatchResult(tmp_path, tuple(told), frozenset(), limits=held).text_rows()
+    assert one[-1].startswith("the forward curve is 1 N m at") and one[-1].count("coulomb.pos") == 1
+
+
+def test_an_effect_that_was_found_is_said_with_its_size_and_how_many_of_the_lot_have_it(row: Row):
+    gap = {"params": {**row["params"], "backlash.gap": [0.0102, 0.0098, 0.0106]}, "found": ["backlash"]}
+    gap |= {"units": {**row["units"], "backlash.gap": "rad"}, "verdict": "missing"}
+    rows = [made(number, "a", row, verdict="complete") for number in range(18)]
+    rows += [{**made(number, "a", row), **gap} for number in (18, 19)]
+    size = "free play (backlash.gap) 0.0102 rad (0.0098 to 0.0106)"
+    told = judged(rows, None)[18]["cause"]
+    assert (
+        told == f"backlash: there is free play between shaft and knob, {size}; 1 of 19 others of its lot too"
+    )
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [

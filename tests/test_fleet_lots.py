@@ -11,12 +11,14 @@ from command import knobcam, refused
 
 from knobcam.errors import InputError
 from knobcam.fleet import BatchResult
-from knobcam.fleet.limits import Between
+from knobcam.fleet.judged import judged
+from knobcam.fleet.limits import Between, Limits
 from knobcam.fleet.lots import capable, chart
 from knobcam.fleet.row import Row
 from knobcam.fleet.settings import Settings
 from knobcam.fleet.store import Store
 from knobcam.fleet.study import Study
+from knobcam.show import batch_report, plot
 
 UNITS = {
     "coulomb.neg": "N m",
@@ -164,10 +166,11 @@ def test_the_report_is_one_page_with_what_failed_and_why_and_nothing_in_it_is_ma
     rng = np.random.default_rng(6)
     rows = several(rng, 12) + several(rng, 12, "<b>B", coulomb=1.2)
     rows[3] |= {"ok": False, "failed_why": ["coulomb.pos is <script> high"], "cause": "coulomb: dry friction"}
+    rows[3]["failed_limits"] = ["coulomb.pos"]
     rows[5] |= {"error": "A/005: is empty", "params": {}, "units": {}, "curve": None}
     store = Store.open(tmp_path / "r", Settings())
     store.put(rows)
-    store.finish(rows, None)
+    store.finish(rows)
     ended = knobcam("report", tmp_path / "r", "--json")
     assert ended.code == 0, ended.err
     assert {one["parameter"] for one in ended.document["study"]["shifts"]} == {"coulomb.neg", "coulomb.pos"}
@@ -213,6 +216,66 @@ def test_a_batch_that_was_ended_is_reported_with_what_there_is_and_says_that_it_
     assert ended.code == 0 and "8 captures" in ended.out and "not at its end yet" in ended.out
     assert "not at its end yet" in (tmp_path / "r.html").read_text("utf-8")
     store = Store.open(tmp_path / "r", Settings())
-    store.finish(list(BatchResult.read(tmp_path / "r").rows), None)
+    store.finish(list(BatchResult.read(tmp_path / "r").rows))
     store.close()
     assert "not at its end yet" not in knobcam("report", tmp_path / "r").out
+
+
+def test_one_bad_part_leaves_all_others_apart_and_is_named_at_the_edge_and_a_far_limit_is_said():
+    rng = np.random.default_rng(3)
+    rows = several(rng, 20) + several(rng, 20, "B", coulomb=1.1)
+    rows[3]["params"]["coulomb.pos"] = [0.9, 0.89, 0.91]
+    rows[3]["curve"] = {**rows[3]["curve"], "forward": [30.0 * one for one in rows[3]["curve"]["forward"]]}
+    text = "[parameters]\ncoulomb.pos = { min = 0.007, max = 0.012 }\ncoulomb.neg = { max = 0.5 }"
+    limits = Limits.parse(text, "limits", None, learned=True)
+    result = BatchResult(Path("r"), tuple(judged(rows, limits)), frozenset(), limits=limits)
+    told = {axes.get_title(loc="left").split(" ")[0]: axes for axes in plot.batch_parameters(result).axes}
+    low, high = told["coulomb.pos"].get_ylim()
+    assert low < 0.007 and 0.012 < high < 0.015
+    assert [one.get_text() for one in told["coulomb.pos"].texts] == ["A/003: 0.9"]
+    assert [one.get_text() for one in told["coulomb.neg"].texts] == ["limit 0.5, far above"]
+    assert told["coulomb.neg"].get_ylim()[1] < 0.02
+    for drawn in (plot.batch_charts(result).axes[1], plot.batch_curves(result).axes[0]):
+        assert any("A/003" in one.get_text() for one in drawn.texts)
+    assert plot.batch_charts(result).axes[1].get_ylim()[1] < 0.02
+    assert plot.batch_curves(result).axes[0].get_ylim()[1] < 2000.0  # mNm; all others are within 1000
+    page = batch_report.html(result)
+    assert "<td>N m</td>" in page and "0.007 to 0.012" in page
+
+
+def test_a_picture_of_a_hundred_lots_is_no_wider_and_no_higher_than_a_page():
+    rng = np.random.default_rng(3)
+    rows = [one for lot in range(100) for one in several(rng, 5, f"L{lot:02d}")]
+    for row in rows:
+        row["hints"] = {"lean.stribeck": float(rng.normal()) + 9.0 * (row["lot"] == "L99")}
+    rows[7] |= {"verdict": "unexplained"}
+    result = BatchResult(Path("r"), tuple(judged(rows, None)), frozenset())
+    for drawn in (plot.batch(result), plot.batch_hints(result)):
+        width, height = drawn.get_size_inches()
+        assert width <= 14.0 and height <= 14.0
+    lots = [one.get_text() for one in plot.batch(result).axes[0].get_yticklabels()]
+    assert lots[0] == "L00 (5)" and "L01 (5)" in lots and lots[-1] == "80 other lots (400)"
+
+
+def test_a_lot_that_is_not_ok_is_among_the_few_of_many_that_are_drawn_and_by_its_share():
+    rng = np.random.default_rng(3)
+    rows = [
+        one for lot in range(40) for one in several(rng, 5, f"L{lot:02d}", coulomb=1.0 + 0.5 * (lot == 39))
+    ]
+    limits = Limits.parse("[parameters]\ncoulomb.pos = { max = 0.012 }", "limits", None, learned=True)
+    drawn = plot.batch(BatchResult(Path("r"), tuple(judged(rows, limits)), frozenset(), limits=limits)).axes[
+        0
+    ]
+    lots = [one.get_text() for one in drawn.get_yticklabels()]
+    bars = {one.get_label(): [bar.get_width() for bar in one] for one in drawn.containers}
+    assert "L39 (5)" in lots and bars["not OK"][lots.index("L39 (5)")] == 100.0
+    assert sum(bars["not OK"]) == 100.0
+
+
+def test_one_bad_part_is_no_drift_and_a_step_that_stays_is():
+    rows = several(np.random.default_rng(5), 60)
+    rows[40]["params"]["coulomb.pos"] = [0.9, 0.89, 0.91]
+    assert not [one for one in Study.of(rows, None).said if "drifts" in one]
+    for row in rows[45:]:
+        row["params"]["coulomb.pos"] = [1.15 * one for one in row["params"]["coulomb.pos"]]
+    assert [one for one in Study.of(rows, None).said if one.startswith("coulomb.pos drifts")]

@@ -106,23 +106,3 @@ def test_results_at_an_address_are_refused_and_no_folder_of_its_name_is_made(
     with pytest.raises(InputError, match="s3://line/results: is an address"):
         kc.batch(mess, "s3://line/results")
     assert sorted(tmp_path.iterdir()) == before
-
-
-@pytest.mark.parametrize("command", [("batch",), ("watch", "--once")])
-def test_a_capture_that_is_gone_keeps_its_row_and_is_not_counted_as_one_that_failed(
-    command: tuple[str, ...], tmp_path: Path
-):
-    folder = tmp_path / "in"
-    folder.mkdir()
-    recorded(1, count=1200).save(folder / "good.npz")
-    (folder / "bad.csv").write_text("nothing\n")
-    words = (*command, folder, "-o", tmp_path / "r", "--learn", "none", "--json")
-    assert knobcam(*words).document["failed"] == 1
-    (folder / "bad.csv").unlink()
-    ended = knobcam(*words)
-    assert ended.code == 0 and ended.document["failed"] == 0
-    assert (ended.document["captures"], ended.document["asked"]) == (2, 1)
-    again = knobcam(*words[:-1])
-    said = again.out + again.err
-    assert "2 captures, 0 of them fitted now, 1 of them of calls before" in said
-    assert "could not be read" not in said

@@ -98,7 +98,7 @@ def test_the_report_shows_effects_over_lots_and_hints_are_read_back(tmp_path: Pa
     rows = lot(rng, "A", 12) + lot(rng, "B", 12, stribeck=3.0)
     store = Store.open(tmp_path / "r", Settings())
     store.put(rows)
-    store.finish(rows, None)
+    store.finish(rows)
     assert [row["hints"] for row in BatchResult.read(tmp_path / "r").rows] == [row["hints"] for row in rows]
     ended = knobcam("report", tmp_path / "r", "--json")
     (one,) = ended.document["study"]["pooled"]

@@ -7,7 +7,9 @@ import json
 import signal
 import subprocess
 import sys
+import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +18,7 @@ import pytest
 from command import knobcam, refused
 from small import recorded, rises
 
-from knobcam.fleet.watch import SETTLED_S, Watch
+from knobcam.fleet.watch import PATIENCE_S, SETTLED_S, Watch
 
 
 @pytest.fixture(scope="module")
@@ -90,10 +92,86 @@ def test_what_is_no_capture_is_a_line_that_says_so_and_the_exit_code_counts_it(
     folder.mkdir()
     (folder / "bad.csv").write_text("nothing\n")
     (folder / "good.npz").write_bytes(parts[0])
-    ended = knobcam("watch", folder, "-o", tmp_path / "r", "--once", "--learn", "none")
-    told = [json.loads(one) for one in ended.out.splitlines()]
+    once = ("--once", "--learn", "none", "--patience", "0.5")
+    ended = knobcam("watch", folder, "-o", tmp_path / "r", *once)
+    told = {Path(row["capture"]).name: row["error"] for row in map(json.loads, ended.out.splitlines())}
     assert ended.code == 1
-    assert [bool(one["error"]) for one in told] == [True, False]
+    assert told["good.npz"] is None and "bad.csv" in told["bad.csv"]
     again = knobcam("watch", folder, "-o", tmp_path / "r", "--once", "--json")
     assert again.code == 0 and again.document["captures"] == 2 and again.document["fresh"] == 0
     refused(knobcam("watch", tmp_path / "none", "-o", tmp_path / "r"), "is no folder")
+    refused(knobcam("watch", folder, "-o", tmp_path / "r", "--patience", "-1"), "patience_s=-1", "is no time")
+
+
+@pytest.mark.parametrize("open_meanwhile", [True, False])
+def test_a_part_that_is_half_written_for_a_second_is_told_once_and_whole(
+    open_meanwhile: bool, parts: list[bytes], tmp_path: Path
+):
+    folder = tmp_path / "in"
+    folder.mkdir()
+    watch = Watch.of(folder, tmp_path / "r", learn="none")
+    told: list[tuple[float, dict[str, Any]]] = []
+
+    def station() -> None:
+        for row in watch.rows():
+            told.append((time.monotonic(), row))
+
+    threading.Thread(target=station, daemon=True).start()
+    half = len(parts[0]) // 2
+    file = (folder / "0.npz").open("wb")
+    file.write(parts[0][:half])
+    file.flush()
+    if not open_meanwhile:
+        file.close()
+    time.sleep(4.0 * SETTLED_S)
+    assert not told
+    file = file if open_meanwhile else (folder / "0.npz").open("ab")
+    file.write(parts[0][half:])
+    file.close()
+    whole = time.monotonic()
+    while not told and time.monotonic() - whole < 60.0:
+        time.sleep(0.05)
+    time.sleep(4.0 * SETTLED_S)
+    (when, row), *more = told
+    assert not more and row["sha256"] == hashlib.sha256(parts[0]).hexdigest() and row["error"] is None
+    assert when - whole < PATIENCE_S  # by then it would be told as it is
+
+
+def test_rows_of_text_that_a_recorder_still_writes_are_no_shorter_part(tmp_path: Path):
+    lines = (
+        (recorded(1, count=1200).save(tmp_path / "whole.csv")).read_text("utf-8").splitlines(keepends=True)
+    )
+    folder = tmp_path / "in"
+    folder.mkdir()
+    with (folder / "0.csv").open("w") as file:
+        file.writelines(lines[:900])
+        file.flush()
+        watch = Watch.of(folder, tmp_path / "r", learn="none")
+        told = watch.rows(once=True)
+        waits = ThreadPoolExecutor(1).submit(next, told)
+        time.sleep(4.0 * SETTLED_S)
+        assert not waits.done()
+        file.writelines(lines[900:])
+    assert waits.result(60.0)["samples"] == 1200
+
+
+def test_a_file_that_a_recorder_never_closes_is_told_when_patience_ends(parts: list[bytes], tmp_path: Path):
+    with (tmp_path / "0.npz").open("wb") as file:
+        file.write(parts[0])
+        file.flush()
+        watch = Watch.of(tmp_path, tmp_path / "_r", learn="none", patience_s=2.0 * SETTLED_S)
+        (row,) = watch.rows(once=True)
+    assert row["error"] is None and row["verdict"] == "complete"
+
+
+def test_parts_that_were_taken_away_from_a_station_still_count(parts: list[bytes], tmp_path: Path):
+    folder = tmp_path / "in"
+    folder.mkdir()
+    for number in range(2):
+        (folder / f"{number}.npz").write_bytes(parts[number])
+    words = ("watch", folder, "-o", tmp_path / "r", "--once", "--learn", "none", "--json")
+    knobcam(*words)
+    (folder / "0.npz").unlink()
+    (folder / "2.npz").write_bytes(parts[2])
+    assert knobcam(*words).document["captures"] == 3
+    assert knobcam("report", tmp_path / "r", "--json").document["captures"] == 3

@@ -318,6 +318,13 @@ def sized(what: str, text: str) -> float:
         raise InputError(f"{what}: {text!r} is no number; give one in SI") from None
 
 
+def folder(text: str) -> Path:
+    """Return a folder for argparse; an empty name would be the one that the shell is in."""
+    if not text:
+        raise argparse.ArgumentTypeError("'' names no folder; is a variable of the shell empty?")
+    return Path(text)
+
+
 def number(text: str) -> float:
     """Return a number for argparse, which names the option when there is none."""
     try:

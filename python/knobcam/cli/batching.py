@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import arguments
@@ -41,6 +40,11 @@ def register(commands: arguments.Commands) -> None:
         help="keep how much each capture speaks for every effect, by which lots are compared; default all "
         "where a batch begins with up to 2000 captures",
     )
+    parser.add_argument(
+        "--count-gone",
+        action="store_true",
+        help="let rows whose captures are not there any more count in lots and limits, as those that are",
+    )
     arguments.add_preparation(parser)
     arguments.add_reading(parser)
 
@@ -48,7 +52,12 @@ def register(commands: arguments.Commands) -> None:
 def add_what(parser: arguments.Parser) -> None:
     """Add the options that a batch and a station share."""
     parser.add_argument(
-        "-o", "--output", type=Path, required=True, metavar="RESULTS", help="folder of the table; it goes on"
+        "-o",
+        "--output",
+        type=arguments.folder,
+        required=True,
+        metavar="RESULTS",
+        help="folder of the table; it goes on",
     )
     parser.add_argument("--model", metavar="MODEL", help="fitted to each; default the base model")
     parser.add_argument("--limits", metavar="FILE", help="TOML with [parameters], [curve.forward], [effects]")
@@ -68,6 +77,7 @@ def run(args: Namespace) -> Answer:
         scheduler=args.scheduler,
         learn=args.learn,
         hints=None if args.hints is None else args.hints == "all",
+        count_gone=args.count_gone,
         prepare=args.prepare,
         reading=reading(args),
         progress=status,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..base.strict_json import as_json
@@ -19,13 +18,23 @@ def register(commands: arguments.Commands) -> None:
     parser = arguments.add_command(
         commands, "watch", run, "Judge each capture as its file is complete: a line of JSON a part."
     )
-    parser.add_argument("folder", type=Path, metavar="FOLDER", help="where the station puts its captures")
+    parser.add_argument(
+        "folder", type=arguments.folder, metavar="FOLDER", help="where the station puts its captures"
+    )
     add_what(parser)
     parser.add_argument(
         "--learn",
         choices=("none", "outliers", "all"),
         default="outliers",
         help="look for missing effects where more than chance is left or a limit is passed (default), or not",
+    )
+    parser.add_argument(
+        "--patience",
+        type=arguments.number,
+        default=5.0,
+        metavar="S",
+        help="how long a file may stand still that cannot be read or is still open, before it is told; "
+        "default 5 s",
     )
     parser.add_argument("--once", action="store_true", help="end with what is there now, in place of Ctrl-C")
     arguments.add_preparation(parser)
@@ -44,6 +53,7 @@ def run(args: Namespace) -> int:
         model=args.model,
         limits=args.limits,
         learn=args.learn,
+        patience_s=args.patience,
         prepare=args.prepare,
         reading=reading(args),
         **options,

@@ -20,7 +20,7 @@ from .outliers import outliers
 from .result import BatchResult
 from .row import Row, is_known
 from .settings import Settings
-from .sources import Source, sources
+from .sources import Source, gone, sources
 from .store import Store, hinted
 
 Learn = Literal["none", "outliers", "all"]
@@ -41,6 +41,7 @@ def batch(
     scheduler: str | None = None,
     learn: str = "outliers",
     hints: bool | None = None,
+    count_gone: bool = False,
     prepare: str = "smooth",
     progress: Callable[[str], object] | None = None,
     reading: dict[str, Any] | None = None,
@@ -54,7 +55,8 @@ def batch(
     the loop of `knobcam.learn` goes over every capture, with "outliers" over those that are unlike their lot
     or beyond a limit, with "none" over none. `scheduler` is the address of one of Dask; by default the cores
     of this machine work. With `hints` each row says how much its capture speaks for every effect that the
-    model lacks, which lots are compared by; by default where a batch begins with up to 2000 captures.
+    model lacks, which lots are compared by; by default where a batch begins with up to 2000 captures. Rows of
+    captures that are not there any more tell nothing of lots, but with `count_gone`.
     `reading` has what `knobcam.load` takes, `prepare` and `options` are as in `fit`.
 
     Raises InputError for a wrong call. A capture that cannot be read is a row that says why.
@@ -68,10 +70,12 @@ def batch(
     hints = hinted(folder) if hints is None else hints
     text = None if asked is None else asked.text()
     settings = Settings(text, reading or {}, prepare, options, hints is not False)
-    store = Store.open(folder, settings)
+    store = Store.open(folder, settings, checks)
     found = sources(given, besides=folder)
     if hints is None and len(found) > _HINTED:
         store.settings = settings = replace(settings, hints=False)
+    known = {name: row.get("place") for name, row in store.rows.items()}
+    missing = frozenset[str]() if count_gone else gone(known, found, given)
     work = _Work(store, settings, found, progress or (lambda _: None))
     with ExitStack() as stack:
         stack.callback(store.close)
@@ -79,11 +83,12 @@ def batch(
         work.do(client, found, learned=learn == "all")
         if learn == "outliers":
             fails = checks.beyond if checks else (lambda row: False)
-            unlike = outliers(list(store.rows.values()), fails)
+            here = [row for name, row in store.rows.items() if name not in missing]
+            unlike = outliers(here, fails)
             some = [one for one in found if one.name in unlike and not store.rows[one.name]["learned"]]
             work.do(client, some, learned=True)
-        rows = judged(list(store.rows.values()), checks)
-        store.finish(rows, None if checks is None else checks.text)
+        rows = judged(list(store.rows.values()), checks, missing)
+        store.finish(rows)
     return BatchResult(folder, tuple(rows), frozenset(one.name for one in found), len(work.fresh), checks)
 
 

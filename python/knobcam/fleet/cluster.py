@@ -7,6 +7,7 @@ import logging
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
@@ -22,6 +23,7 @@ from .sources import Source
 CHUNK = 8
 """Captures of a task: what Dask asks for a task is shared by them, and no more is lost with a worker."""
 _ANSWERS_S, _ARRIVES_S = 5.0, 120.0  # a scheduler, and its first worker
+_LOOK_S = 1.0  # between two looks at whether workers of this machine could not start
 _AHEAD = 3  # tasks that wait for each worker, so that none waits for a task
 _ENVIRONMENT = {
     **{f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL")},
@@ -54,28 +56,21 @@ def work(tasks: Sequence[Task], settings: Settings, learned: bool) -> Rows:
 @contextmanager
 def workers(scheduler: str | None) -> Iterator[Any]:
     """Give a client of an existing scheduler, or of one of this process with a worker for each core."""
-    distributed = require("distributed", "a batch", "fleet")
     if scheduler is not None:
+        distributed = require("distributed", "a batch", "fleet")
         with _quiet():
             _greet(distributed, scheduler)
             with _client(distributed, scheduler) as client:
                 yield client
         return
-    with (
-        _quiet(),
-        distributed.LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0", silence_logs=False) as cluster,
-    ):
-        _unheard(cluster.loop)
-        own = _started(cluster.scheduler_address, cores())
-        try:
-            with _client(distributed, cluster.scheduler_address) as client:
+    with _crew(cores()) as crew:  # which loads what it needs while this process does
+        distributed = require("distributed", "a batch", "fleet")
+        how = {"n_workers": 0, "dashboard_address": "127.0.0.1:0", "silence_logs": False}
+        with _quiet(), distributed.LocalCluster(**how) as cluster:
+            _unheard(cluster.loop)
+            _tell(crew, cluster.scheduler_address)
+            with _client(distributed, cluster.scheduler_address, crew) as client:
                 yield client
-        finally:
-            own.terminate()
-            with suppress(subprocess.TimeoutExpired):
-                own.wait(5.0)
-            own.kill()
-            own.wait()
 
 
 @contextmanager
@@ -109,15 +104,32 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _started(address: str, count: int) -> subprocess.Popen[bytes]:
-    """Start workers that Ctrl-C at this terminal leaves to this process, and that end with its scheduler."""
-    words = [sys.executable, "-m", "distributed.cli.dask_worker", address, "--no-dashboard"]
-    words += ["--nworkers", str(count), "--nthreads", "1", "--death-timeout", "60"]
-    environment = _ENVIRONMENT | os.environ
+def _tell(crew: subprocess.Popen[bytes], address: str) -> None:
+    if crew.stdin is not None:
+        with suppress(BrokenPipeError), crew.stdin as told:
+            told.write(f"{address}\n".encode())
+
+
+@contextmanager
+def _crew(count: int) -> Iterator[subprocess.Popen[bytes]]:
+    """Give workers that wait for an address, and that Ctrl-C at this terminal leaves to this process."""
     quiet = subprocess.DEVNULL
-    return subprocess.Popen(
-        words, env=environment, stdin=quiet, stdout=quiet, stderr=quiet, start_new_session=True
+    crew = subprocess.Popen(
+        [sys.executable, "-m", f"{__package__}.crew", str(count)],
+        env=_ENVIRONMENT | os.environ,
+        stdin=subprocess.PIPE,
+        stdout=quiet,
+        stderr=quiet,
+        start_new_session=True,
     )
+    try:
+        yield crew
+    finally:
+        crew.terminate()
+        with suppress(subprocess.TimeoutExpired):
+            crew.wait(5.0)
+        crew.kill()
+        crew.wait()
 
 
 def _greet(distributed: Any, address: str) -> None:
@@ -154,28 +166,35 @@ def _unanswered(address: str, error: Exception) -> InputError:
 
 
 @contextmanager
-def _client(distributed: Any, address: str) -> Iterator[Any]:
+def _client(distributed: Any, address: str, crew: subprocess.Popen[bytes] | None = None) -> Iterator[Any]:
     try:
         client = distributed.Client(address, timeout=_ANSWERS_S, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         raise _unanswered(address, error) from None
     _unheard(client.loop)
     try:
-        _wait(client, address)
+        _wait(client, address, crew)
         yield client
     finally:
         with suppress(Exception):
             client.close(timeout=2.0)
 
 
-def _wait(client: Any, address: str) -> None:
+def _wait(client: Any, address: str, crew: subprocess.Popen[bytes] | None) -> None:
     """Wait for the first worker; a batch without one would wait for ever."""
-    try:
-        client.wait_for_workers(1, timeout=_ARRIVES_S)
-    except TimeoutError:
-        raise InputError(
-            f"--scheduler {address}: has no worker; start one with: dask worker {address} --nthreads 1"
-        ) from None
+    until = time.monotonic() + _ARRIVES_S
+    while time.monotonic() < until and (crew is None or crew.poll() is None):
+        with suppress(TimeoutError):
+            client.wait_for_workers(1, timeout=_LOOK_S)
+            return
+    if crew is not None:
+        raise KnobcamError(
+            "no worker could be started on this machine; see what this says: "
+            f"echo {address} | {sys.executable} -m {__package__}.crew 1"
+        )
+    raise InputError(
+        f"--scheduler {address}: has no worker; start one with: dask worker {address} --nthreads 1"
+    )
 
 
 def run(

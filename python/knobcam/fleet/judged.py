@@ -3,36 +3,47 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
-from ..model.effects import effects
-from .limits import UNIT, Failed, Limits
-from .outliers import outliers
-from .row import Row
+from .causes import Usual, cause
+from .limits import Limits
+from .outliers import group, groups, outliers
+from .row import DUPLICATE, GONE, Row
 
-_ASKED_OF_ALL = ("duplicate", "mixed")
+_MIXED = "mixed"
+_ASKED_OF_ALL = (DUPLICATE, GONE, _MIXED)
 
 
-def judged(rows: Sequence[Row], limits: Limits | None) -> list[Row]:
+def judged(
+    rows: Sequence[Row], limits: Limits | None, gone: Collection[str] = (), among: Sequence[Row] = ()
+) -> list[Row]:
     """Return rows with verdicts by limits, causes, and what is unlike their lots; sorted by capture.
 
     A capture whose content is that of one before is a `duplicate`, one whose axis or unit is another than
-    most of its lot have is `mixed`.
+    most of its lot have is `mixed`, and those of which only rows are left are `gone`: nothing else is held
+    against them. What is usual in a lot is told by all rows, or by those that they are `among`.
     """
     ordered = sorted(rows, key=lambda row: str(row["capture"]))
-    usual = {lot: max(sorted(some), key=some.__getitem__) for lot, some in _kinds(ordered).items()}
-    unlike = outliers(ordered, lambda _: False)
+    here = [row for row in ordered if row["capture"] not in gone]
+    usual = {lot: max(sorted(some), key=some.__getitem__) for lot, some in _kinds(here).items()}
+    unlike = outliers(here, lambda _: False)
+    lots = {kind: Usual.of(some, limits) for kind, some in groups(among or here).items()}
+    nothing = Usual.of((), None)
     seen: set[str] = set()
     told = []
     for row in ordered:
         more = []
-        if row["sha256"] is not None:
-            more += ["duplicate"] if row["sha256"] in seen else []
+        kind = (row["coordinate"], row["unit"])
+        if row["capture"] in gone:
+            more += [GONE]
+        elif row["sha256"] is not None:
+            more += [DUPLICATE] if row["sha256"] in seen else []
             seen.add(row["sha256"])
-        if row["error"] is None and (row["coordinate"], row["unit"]) != usual[row["lot"] or ""]:
-            more += ["mixed"]
+        if row["error"] is None and kind != usual.get(row["lot"] or "", kind):
+            more += [_MIXED]
         own = [one for one in row["findings"] if one not in _ASKED_OF_ALL]
         failed = [] if limits is None else limits.failed(row)
+        of_lot = nothing if row["capture"] in gone else lots.get(group(row), nothing)
         why = unlike.get(row["capture"], [])
         told.append(
             {
@@ -42,7 +53,7 @@ def judged(rows: Sequence[Row], limits: Limits | None) -> list[Row]:
                 "failed_limits": [one.limit for one in failed],
                 "failed_why": [one.why for one in failed],
                 "outlier": why,
-                "cause": cause(row, failed, why),
+                "cause": cause(row, failed, why, limits, of_lot),
             }
         )
     return told
@@ -66,24 +77,3 @@ def _kinds(rows: Sequence[Row]) -> dict[str, Counter[tuple[str, str]]]:
         if row["error"] is None:
             kinds.setdefault(row["lot"] or "", Counter())[(row["coordinate"], row["unit"])] += 1
     return kinds
-
-
-def cause(row: Row, failed: Sequence[Failed], unlike: Sequence[str]) -> str | None:
-    """Return what physically is behind a part that fails or is unlike its lot, in words.
-
-    None where nothing is. Named effects first; then that none explains it; else the effects whose parameters
-    are beyond limits, or unlike the lot.
-    """
-    if row["error"] is not None:
-        return None
-    known = effects(row["coordinate"])
-    names = [name for name in row["found"] if name in known]
-    if not names and row["verdict"] == "unexplained":
-        return str(row["headline"])
-    if not names and (failed or unlike):
-        of = [one.limit for one in failed] + list(unlike)
-        names = [name.partition(".")[0] for name in of if name.partition(".")[0] in known]
-    if names:
-        return "; ".join(dict.fromkeys(f"{name}: {known[name].name}" for name in names))
-    beyond = any(one.limit != UNIT for one in failed)
-    return "not named: nothing was found missing from its model" if beyond else None

@@ -9,17 +9,19 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..base.arrays import FloatArray
+from ..base.arrays import BoolArray, FloatArray
 from ..base.optional import require
 from ..fit.estimate import Z95
 from .limits import Between
 from .outliers import deviations
-from .row import Row
+from .row import Row, counts
 
 FEWEST = 5
 """Captures of a lot or of a station, for its mean to be compared."""
 LEVEL = 0.01
 """Chance of saying of any lot or station of a table that it moved where none did."""
+_USUAL = 4.0  # robust deviations from the middle up to which a value is usual
+_NEAR = 2.0  # deviations, as the neighbours of one that is far away alone have: beside a step they have more
 # Of the moving average: Montgomery, Introduction to Statistical Quality Control, 9.2.
 _STEEP = 0.2
 # Charts of normal values that are drawn to find how far the average goes by chance, and the longest of them:
@@ -80,18 +82,26 @@ def chart(values: FloatArray, parameter: str, begun: int) -> Chart:
 
     Its middle and width are those of the first `begun` values that are not far from the others: what a
     process was at first. Of one that stays there one chart in a hundred (`LEVEL`) has a point beyond the
-    band, however few told what it was.
+    band, however few told what it was. A value that is far away alone, and not with its neighbours, moves no
+    mean: one bad part is said as such, and is no drift.
     """
     first = usual(values[:begun])
     known = len(first) > 1
     middle, deviation = (np.mean(first), np.std(first, ddof=1)) if known else (math.nan, math.nan)
-    mean = _running(values[:, np.newaxis], np.array([middle]))[:, 0]
+    course = np.where(_alone(np.abs(values - middle) / (deviation or math.nan)), np.nan, values)
+    mean = _running(course[:, np.newaxis], np.array([middle]))[:, 0]
     half = (
         _wide(min(max(len(first), 2), _LONGEST), min(len(values), _LONGEST))
         * deviation
         * _spread(len(values))
     )
     return Chart(parameter, values, mean, float(middle), half)
+
+
+def _alone(far: FloatArray) -> BoolArray:
+    """Return which of some deviations are far from the middle while those on either side are near it."""
+    near = np.concatenate([[True], ~(far > _NEAR), [True]])
+    return np.asarray((far > _USUAL) & near[:-2] & near[2:])
 
 
 def _running(values: FloatArray, middle: FloatArray) -> FloatArray:
@@ -182,7 +192,7 @@ def usual(values: FloatArray) -> FloatArray:
     some = values[np.isfinite(values)]
     if len(some) < FEWEST:
         return some
-    return some[np.abs(deviations(some, np.zeros(len(some)))) < 4.0]
+    return some[np.abs(deviations(some, np.zeros(len(some)))) < _USUAL]
 
 
 class Gain(NamedTuple):
@@ -255,7 +265,7 @@ def more(rows: Sequence[Row]) -> list[More]:
     """Return what some lots have more often than the rest (Fisher's exact test, Holm's correction)."""
     stats = require("scipy.stats", "comparing lots", "fleet")
     holm = require("statsmodels.stats.multitest", "comparing lots", "fleet").multipletests
-    good = [row for row in rows if row["error"] is None and row["learned"]]
+    good = [row for row in rows if counts(row) and row["learned"]]
     found = []
     for lot in sorted({row["lot"] or "" for row in good}):
         for effect in sorted({name for row in good for name in row["found"]}):

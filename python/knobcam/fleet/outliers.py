@@ -34,8 +34,13 @@ def groups(rows: Sequence[Row]) -> dict[tuple[Any, ...], list[Row]]:
     found: dict[tuple[Any, ...], list[Row]] = {}
     for row in rows:
         if row["error"] is None:
-            found.setdefault((row["lot"] or "", row["coordinate"], row["unit"]), []).append(row)
+            found.setdefault(group(row), []).append(row)
     return dict(sorted(found.items()))
+
+
+def group(row: Row) -> tuple[Any, ...]:
+    """Return what tells the captures that a row can be compared with."""
+    return row["lot"] or "", row["coordinate"], row["unit"]
 
 
 def outliers(rows: Sequence[Row], fails: Callable[[Row], bool]) -> dict[str, list[str]]:

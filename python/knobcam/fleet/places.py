@@ -40,7 +40,9 @@ def is_address(place: str) -> bool:
 
 
 def folder(given: str | os.PathLike[str]) -> Path:
-    """Return a folder of this machine, there or not. InputError for an address."""
+    """Return a folder of this machine, there or not. InputError for an address, and for no name at all."""
+    if not os.fspath(given):
+        raise InputError("'': names no folder; is a variable of the shell empty?")
     if _ADDRESS.match(os.fspath(given)):
         raise InputError(
             f"{os.fspath(given)}: is an address, and the table grows in a folder of this machine; "
@@ -61,6 +63,13 @@ def find(address: str) -> list[Found]:
             names = [path] if store.exists(path) else []
         found = [store.info(name) for name in sorted(names)]
     return [_described(_named(address, store, one["name"]), one) for one in found if one["type"] == "file"]
+
+
+def below(address: str) -> str:
+    """Return how the names begin of all that `find` looks at for an address."""
+    folder = _before_pattern(address) if "*" in address else address
+    store, path = _store(folder.rstrip("/"))
+    return f"{_named(address, store, path.rstrip('/'))}/"
 
 
 @contextmanager

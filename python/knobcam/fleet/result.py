@@ -18,6 +18,7 @@ from . import aqdef
 from .frame import axis, parameters
 from .judged import judged, mixed
 from .limits import Limits
+from .row import GONE
 from .store import limits_of, read
 from .study import Study
 from .table import arrow_table, schema_of
@@ -48,25 +49,31 @@ class BatchResult(showing.Tabled):
     def read(cls, folder: str | os.PathLike[str]) -> BatchResult:
         """Return the results in a folder. InputError where there are none."""
         rows, limits = read(folder), limits_of(folder)
-        asked = frozenset(str(row["capture"]) for row in rows)
+        gone = frozenset(str(row["capture"]) for row in rows if GONE in row["findings"])
         if unfinished := any("ok" not in row for row in rows):  # those of parts, which nothing judged yet
-            rows = judged(rows, limits)
+            rows = judged(rows, limits, gone)
+        asked = frozenset(str(row["capture"]) for row in rows) - gone
         return cls(Path(folder), tuple(rows), asked, limits=limits, unfinished=unfinished)
+
+    @cached_property
+    def counted(self) -> tuple[dict[str, Any], ...]:
+        """The rows but for those of captures that are not there any more."""
+        return tuple(row for row in self.rows if GONE not in row["findings"])
 
     @property
     def failed(self) -> tuple[dict[str, Any], ...]:
         """The rows of captures that were asked for and could not be read or fitted."""
-        return tuple(row for row in self.rows if row["capture"] in self.asked and row["error"] is not None)
+        return tuple(row for row in self.counted if row["capture"] in self.asked and row["error"] is not None)
 
     @property
     def drawn(self) -> Limits | None:
         """The limits, where they are of the axis and the unit that most captures have."""
-        return self.limits if self.limits is not None and self.limits.axis == axis(self.rows) else None
+        return self.limits if self.limits is not None and self.limits.axis == axis(self.counted) else None
 
     @cached_property
     def study(self) -> Study:
         """What lots and stations tell."""
-        return Study.of(self.rows, self.limits)
+        return Study.of(self.counted, self.limits)
 
     def table(self) -> Any:
         """Return the rows as a table of pyarrow, as the Parquet dataset in the folder has them."""
@@ -75,13 +82,14 @@ class BatchResult(showing.Tabled):
     @property
     def found(self) -> Mapping[str, int]:
         """How often each effect was found missing, most often first."""
-        return dict(Counter(name for row in self.rows for name in row["found"]).most_common())
+        return dict(Counter(name for row in self.counted for name in row["found"]).most_common())
 
     def _counts(self) -> dict[str, int | None]:
-        good = [row for row in self.rows if row["error"] is None]
+        good = [row for row in self.counted if row["error"] is None]
         limited = any(row["ok"] is not None for row in good)
         return {
-            "captures": len(self.rows),
+            "captures": len(self.counted),
+            "gone": len(self.rows) - len(self.counted),
             "asked": len(self.asked),
             "fresh": self.fresh,
             "failed": len(self.failed),
@@ -102,14 +110,14 @@ class BatchResult(showing.Tabled):
             "results": str(self.folder),
             **self._counts(),
             "found": dict(self.found),
-            "lots": dict(sorted(Counter(row["lot"] or "" for row in self.rows).items())),
+            "lots": dict(sorted(Counter(row["lot"] or "" for row in self.counted).items())),
             "errors": [{"capture": row["capture"], "error": row["error"]} for row in self.failed],
             "not_ok_parts": [
                 {"capture": row["capture"], "failed_limits": row["failed_limits"], "cause": row["cause"]}
-                for row in self.rows
+                for row in self.counted
                 if row["ok"] is False
             ],
-            "mixed": mixed(self.rows),
+            "mixed": mixed(self.counted),
         }
 
     HEAD = ("capture", "verdict", "found", "OK", "cause, or why not")
@@ -117,12 +125,10 @@ class BatchResult(showing.Tabled):
     def text_rows(self) -> list[tuple[str, ...]]:
         """What is to be looked at: parts that are not OK, unlike their lots, or could not be read."""
         told: list[tuple[str, ...]] = []
-        for row in self.rows:
+        for row in self.counted:
             if row["error"] is not None or row["ok"] is False or row["outlier"] or row["found"]:
                 ok = {True: "OK", False: "NOK", None: ""}[row["ok"]]
-                why = row["error"] or "; ".join(
-                    [*row["failed_why"], *([row["cause"]] if row["cause"] else [])]
-                )
+                why = row["error"] or "; ".join(_why(row))
                 told.append((row["capture"], row["verdict"] or "", ", ".join(row["found"]), ok, why))
         return told
 
@@ -131,18 +137,19 @@ class BatchResult(showing.Tabled):
         """How many captures there are, and what of them, in a sentence."""
         n = self._counts()
         now = "" if self.fresh is None else f", {self.fresh} of them fitted now"
-        if (before := len(self.rows) - len(self.asked)) > 0:  # which may be gone by now, or lie elsewhere
+        if (before := len(self.counted) - len(self.asked)) > 0:  # which lie elsewhere
             now += f", {before} of them of calls before"
         said = [f"{n['captures']} captures{now}", f"{n['complete']} complete"]
         said += [f"{n[name]} {name}" for name in ("missing", "unexplained") if n[name]]
         said += [f"{n['ok']} OK, {n['not_ok']} NOK"] if n["ok"] is not None else []
         said += [f"{n['failed']} could not be read or fitted"] if n["failed"] else []
+        said += [f"left out are {n['gone']} whose files are not there any more"] if n["gone"] else []
         said += ["not at its end yet: the same batch or watch goes on from there"] if self.unfinished else []
         return "; ".join(said) + "."
 
     def __repr__(self) -> str:
         rows = self.text_rows()
-        lines = [self.headline, *mixed(self.rows)]
+        lines = [self.headline, *mixed(self.counted)]
         if rows:
             lines.append(text_table(self.HEAD, rows[:_SHOWN]))
         if len(rows) > _SHOWN:
@@ -158,8 +165,8 @@ class BatchResult(showing.Tabled):
 
         Parts that could not be read are left out; what a capture does not determine is marked as missing.
         """
-        good = [row for row in self.rows if row["error"] is None]
-        units = parameters(self.rows)
+        good = [row for row in self.counted if row["error"] is None]
+        units = parameters(self.counted)
         limits = self.drawn
         held = {name: limits.of(name) if limits else None for name in units}
         every = [
@@ -180,3 +187,10 @@ class BatchResult(showing.Tabled):
     def report(self, path: str | os.PathLike[str]) -> Path:
         """Write all of it as one HTML file that needs nothing else, and return its path."""
         return showing.report(self, path)
+
+
+def _why(row: dict[str, Any]) -> list[str]:
+    """Return what a part fails by and why; of a parameter that its cause names only the cause."""
+    cause = row["cause"] or ""
+    each = zip(row["failed_limits"], row["failed_why"], strict=True)
+    return [why for limit, why in each if f"({limit})" not in cause] + ([cause] if cause else [])

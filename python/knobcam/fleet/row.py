@@ -77,6 +77,15 @@ def row_of(source: Source, settings: Settings, learned: bool, known: str | None)
     return told
 
 
+GONE, DUPLICATE = "gone", "duplicate"
+"""Findings: the capture of a row is not there any more; its content is that of a capture before."""
+
+
+def counts(row: Row) -> bool:
+    """Whether lots are told by a row: it was read, its capture is there, and there but once."""
+    return row["error"] is None and not {GONE, DUPLICATE} & set(row["findings"])
+
+
 def compact(row: Row) -> Row:
     """Return a row that takes a third of its memory: its numbers in arrays, what rows share held once."""
     row = {sys.intern(name): value for name, value in row.items()}
@@ -113,6 +122,7 @@ def _identity(source: Source, settings: Settings, learned: bool) -> Row:
     time = None if source.modified is None else datetime.fromtimestamp(source.modified, UTC)
     return {
         "capture": source.name,
+        "place": readable(source.place),
         "sha256": None,
         **{name: source.labels.get(name) for name in ("lot", "station", "part", "date")},
         "time": None if time is None else time.isoformat(timespec="seconds"),

@@ -19,6 +19,8 @@ from .places import Found
 
 LABELS = ("lot", "station", "part", "date")
 """What a capture belongs to, as its path, its table or its own description says."""
+RESULTS = "_batch.json"
+"""A file that a folder of results has, which is no folder of captures."""
 _LABEL = re.compile(rf"({'|'.join(LABELS)})[=_-](.+)", re.IGNORECASE)
 _DATE = re.compile(r"\d{4}-\d{2}-\d{2}")
 
@@ -45,14 +47,17 @@ class Source:
 def sources(given: Sequence[str | os.PathLike[str]], besides: Path | None = None) -> list[Source]:
     """Return the captures that paths, patterns and addresses name, each once, by their names.
 
-    `besides` is a folder whose files are none, as the results are. InputError for what names nothing.
+    `besides` is a folder whose files are none, as the results are; so are those of other batches. InputError
+    for what names nothing.
     """
     found: dict[str, Source] = {}
     places_seen: set[tuple[str, tuple[int, int] | None]] = set()
     for one in given:
         some = list(_named(os.fspath(one), besides))
+        if not some and len(given) > 1 and is_results(one):
+            continue  # a shell names all that is in a folder
         if not some:
-            raise InputError(f"{one}: no capture is there; check the name, or the pattern")
+            raise InputError(f"{one}: {nothing_in(one)}")
         for source in some:
             if (source.place, source.rows) in places_seen:
                 continue
@@ -65,11 +70,55 @@ def sources(given: Sequence[str | os.PathLike[str]], besides: Path | None = None
     return [found[name] for name in sorted(found)]
 
 
+def gone(
+    known: Mapping[str, str | None], found: Sequence[Source], given: Sequence[str | os.PathLike[str]]
+) -> frozenset[str]:
+    """Return which of the captures `known` by name and place are not there any more.
+
+    One that `found` has is, and one that lies where `given` does not lead to may be: what can be looked at
+    without a store's being asked for all of it decides. A capture that has another name now is gone by its
+    old one.
+    """
+    here = {one.name for one in found}
+    taken = {readable(one.place) for one in found}
+    heads = tuple(places.below(os.fspath(one)) for one in given if places.is_address(os.fspath(one)))
+    return frozenset(
+        name
+        for name, place in known.items()
+        if place is not None and name not in here and (place in taken or _is_gone(place, heads))
+    )
+
+
+def _is_gone(place: str, heads: tuple[str, ...]) -> bool:
+    if places.is_address(place):
+        return place.startswith(heads) and not places.find(place)
+    return not os.path.lexists(place)
+
+
+def is_results(folder: str | os.PathLike[str]) -> bool:
+    """Whether a folder holds results of a batch, which are no captures."""
+    return os.path.isfile(f"{os.fspath(folder)}/{RESULTS}")  # noqa: PTH113 - as of any path at all
+
+
+def nothing_in(given: str | os.PathLike[str]) -> str:
+    """Say why a name has no capture."""
+    if is_results(given):
+        return "holds results of a batch, and no captures; name the folder of captures"
+    return "no capture is there; check the name, or the pattern"
+
+
 def _named(given: str, besides: Path | None) -> Iterator[Source]:
+    if not given:
+        raise InputError("SOURCES: '' names nothing; is a variable of the shell empty?")
     if places.is_address(given):
-        head = given.split("*")[0].rstrip("/") + "/"
-        for one in places.find(given):
-            yield from _of_file(one, one.place.removeprefix(head))
+        every, head = places.find(given), places.below(given)
+        results = tuple(one.place.removesuffix(RESULTS) for one in every if one.place.endswith(f"/{RESULTS}"))
+        for one in every:
+            # The one that was asked for lies below nothing.
+            within = one.place.removeprefix(head) if one.place.startswith(head) else Path(one.place).name
+            hidden = any(part.startswith((".", "_")) for part in within.split("/"))
+            if not (hidden or one.place.startswith(results)):
+                yield from _of_file(one, within)
         return
     path = Path(given)
     there = os.path.lexists(path)
@@ -90,7 +139,7 @@ def _below(path: Path, root: Path, besides: Path | None, above: tuple[Path, ...]
 
     `above` are the folders that it was reached through. What cannot be looked at is a capture with an error.
     """
-    if besides is not None and path.absolute() == besides.absolute():
+    if (besides is not None and path.absolute() == besides.absolute()) or is_results(path):
         return
     within = path.relative_to(root).as_posix() if path != root else path.name
     try:
@@ -107,9 +156,19 @@ def _below(path: Path, root: Path, besides: Path | None, above: tuple[Path, ...]
         for one in inside:
             yield from _below(one, root, besides, through)
         return
-    yield from _of_file(
-        Found(str(path), known.st_mtime, f"{known.st_size} {known.st_mtime_ns}", known.st_size), within
-    )
+    yield from _of_file(Found(str(path), known.st_mtime, _stamp(known), known.st_size), within)
+
+
+def _stamp(known: os.stat_result) -> str:
+    return f"{known.st_size} {known.st_mtime_ns}"
+
+
+def stands_still(source: Source) -> bool:
+    """Whether a file of this machine is as it was when it was found."""
+    try:
+        return source.error is not None or _stamp(look(source.place)) == source.stamp
+    except InputError:  # it went
+        return False
 
 
 def _inside(folder: Path, above: tuple[Path, ...]) -> list[Path] | None:

@@ -25,9 +25,9 @@ from . import table
 from .limits import Limits
 from .row import Row, compact
 from .settings import Settings
+from .sources import RESULTS
 
 SCHEMA = "knobcam.batch/1"
-_ABOUT = "_batch.json"
 _PARTS = "_parts"
 _LOCK = "_lock"
 _LIMITS = "_limits.toml"
@@ -41,12 +41,16 @@ class Store:
 
     folder: Path
     settings: Settings
+    limits: str = ""
+    """The file of limits by which the rows are judged at the end, or before it where it does not come."""
     rows: dict[str, Row] = field(default_factory=dict)
     _number: int = 0
     _lock: int = -1
+    _held: bool = False
+    """Whether the limits stand beside the parts of this run."""
 
     @classmethod
-    def open(cls, folder: Path, settings: Settings) -> Store:
+    def open(cls, folder: Path, settings: Settings, limits: Limits | None = None) -> Store:
         """Return the store in a folder, which is made with the first row.
 
         InputError where nothing can be written there, or it is of another batch or kind.
@@ -56,7 +60,7 @@ class Store:
             raise InputError(f"{there}: is a file, a folder is needed; choose another name")
         if not os.access(there, os.W_OK):
             raise InputError(f"{there}: the folder cannot be written to; choose another place")
-        if (folder / _ABOUT).exists():
+        if (folder / RESULTS).exists():
             known = _about(folder)
             if known.get("settings") != settings.digest:
                 raise InputError(
@@ -66,11 +70,11 @@ class Store:
         elif there == folder and any(folder.iterdir()):
             raise InputError(f"{folder}: is not empty and no results of a batch; choose another folder")
         rows, number = _kept(folder)
-        return cls(folder, settings, rows, number)
+        return cls(folder, settings, "" if limits is None else limits.text, rows, number)
 
     def _begin(self) -> None:
         """Make the folder what it is, if it is not yet."""
-        about = make_folder(self.folder) / _ABOUT
+        about = make_folder(self.folder) / RESULTS
         if not about.exists():
             known = {name: getattr(self.settings, name) for name in ("model", "hints")}
             known |= {"settings": self.settings.digest, "version": __version__}
@@ -103,12 +107,15 @@ class Store:
             return
         lines = [json.dumps(one, allow_nan=False) for one in rows]
         self._begin()
-        make_folder(self.folder / _PARTS)
+        held = make_folder(self.folder / _PARTS) / _LIMITS
+        if not self._held:
+            write(held, self.limits)
+            self._held = True
         self._number += 1
         write(self.folder / _PARTS / f"{self._number:08d}.json", "\n".join(lines))
         self.rows |= {one["capture"]: compact(one) for one in rows}
 
-    def finish(self, judged: list[Row], limits: str | None) -> None:
+    def finish(self, judged: list[Row]) -> None:
         """Write the table of all rows, as judged by limits, over the one before; remove the parts."""
         self._begin()
         schema = table.schema_of(judged)
@@ -117,7 +124,7 @@ class Store:
             groups.setdefault(_partition(row), []).append(row)
         before = set(_files(self.folder))
         with together():
-            write(self.folder / _LIMITS, limits or "")
+            write(self.folder / _LIMITS, self.limits)
             for where, rows in sorted(groups.items()):
                 make_folder(self.folder / where)
                 path = self.folder / where / "rows.parquet"
@@ -126,13 +133,13 @@ class Store:
         for old in before:
             old.unlink()
         shutil.rmtree(self.folder / _PARTS, ignore_errors=True)
-        self._number = 0
+        self._number, self._held = 0, False
 
 
 def read(folder: str | os.PathLike[str]) -> list[Row]:
     """Return the rows in a folder of results, sorted by capture; InputError where there are none."""
     path = Path(folder)
-    if not is_folder(path) or not (path / _ABOUT).is_file():
+    if not is_folder(path) or not (path / RESULTS).is_file():
         raise InputError(f"{path}: holds no results of knobcam batch; name the folder that it wrote")
     _about(path)
     rows, _ = _kept(path)
@@ -144,13 +151,17 @@ def read(folder: str | os.PathLike[str]) -> list[Row]:
 def hinted(folder: str | os.PathLike[str]) -> bool | None:
     """Return whether the rows in a folder have hints; None where there are none yet."""
     path = Path(folder)
-    return bool(_about(path).get("hints")) if (path / _ABOUT).is_file() else None
+    return bool(_about(path).get("hints")) if (path / RESULTS).is_file() else None
 
 
 def limits_of(folder: str | os.PathLike[str]) -> Limits | None:
-    """Return the limits by which the table in a folder is judged; None where there are none."""
-    path = Path(folder) / _LIMITS
-    if not path.is_file() or not (text := read_text(path, "file of limits", _MOST_BYTES)):
+    """Return the limits by which the rows in a folder are judged; None where there are none.
+
+    Those of a batch that was ended before its table was made stand beside its parts.
+    """
+    both = (Path(folder) / _PARTS / _LIMITS, Path(folder) / _LIMITS)
+    path = next((one for one in both if one.is_file()), None)
+    if path is None or not (text := read_text(path, "file of limits", _MOST_BYTES)):
         return None
     model = _about(Path(folder)).get("model")
     return Limits.parse(text, path, None if model is None else Model.parse(model), learned=True)
@@ -158,12 +169,12 @@ def limits_of(folder: str | os.PathLike[str]) -> Limits | None:
 
 def _about(folder: Path) -> dict[str, Any]:
     try:
-        known = json.loads((folder / _ABOUT).read_text("utf-8"))
+        known = json.loads((folder / RESULTS).read_text("utf-8"))
         if known["schema"] == SCHEMA:
             return dict(known)
     except (OSError, ValueError, TypeError, KeyError):
         pass
-    raise InputError(f"{folder}: its {_ABOUT} is damaged or of another version; choose another folder")
+    raise InputError(f"{folder}: its {RESULTS} is damaged or of another version; choose another folder")
 
 
 def _kept(folder: Path) -> tuple[dict[str, Row], int]:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
 
 from .frame import axis, frame, parameters
 from .gauge import Gauge, gauge
 from .limits import Between, Limits
-from .lots import FEWEST, Capable, Chart, Gain, More, Shift, capable, chart, gains, more, shifts
+from .lots import FEWEST, Capable, Chart, Gain, More, Shift, capable, chart, gains, more, shifts, usual
 from .pooled import Held, Pooled, compared, pooled
-from .row import Row
+from .row import Row, counts
 
 _BEGUN = 20  # captures, where there is one lot alone
 
@@ -34,6 +36,7 @@ class Study:
     @classmethod
     def of(cls, rows: Sequence[Row], limits: Limits | None) -> Study:
         """Return the statistics of rows; those for which there is too little are left out."""
+        rows = [row for row in rows if counts(row)]
         units = parameters(rows)
         table = frame(rows)
         if table.empty:
@@ -53,7 +56,7 @@ class Study:
         return cls(
             table,
             units,
-            tuple(chart(table[name].to_numpy(dtype=float), name, _begun(table, lots)) for name in names),
+            tuple(_charts(table, names, lots)),
             tuple(one for one in able if one is not None),
             tuple(moved),
             tuple(gains(table, units, moved)),
@@ -62,6 +65,15 @@ class Study:
             tuple(pooled(every, rows)),
             tuple(one for name in names if (one := gauge(table, name)) is not None),
         )
+
+    def ordinary(self, name: str) -> tuple[float, float]:
+        """Return between which values a parameter usually is in its lots, or in all where those are small."""
+        of = self.table["lot"]
+        lots = [self.table.loc[of == lot, name].to_numpy(dtype=float) for lot in dict.fromkeys(of)]
+        large = [some for some in lots if np.isfinite(some).sum() >= FEWEST]
+        every = [usual(some) for some in large or [self.table[name].to_numpy(dtype=float)]]
+        together = np.concatenate(every)
+        return (float(together.min()), float(together.max())) if len(together) else (0.0, 1.0)
 
     @property
     def said(self) -> list[str]:
@@ -100,6 +112,12 @@ class Study:
                 {**one._asdict(), "percent": one.percent, "distinct": one.distinct} for one in self.gauges
             ],
         }
+
+
+def _charts(table: Any, names: Sequence[str], lots: Sequence[str]) -> Iterator[Chart]:
+    """Yield the chart of each parameter; none of one capture, which has no course."""
+    for name in names if len(table) > 1 else ():
+        yield chart(table[name].to_numpy(dtype=float), name, _begun(table, lots))
 
 
 def _begun(table: Any, lots: Sequence[str]) -> int:

@@ -20,6 +20,7 @@ _TEXTS = "list<string>"
 _NUMBERS = "list<double>"
 COLUMNS = {
     "capture": _TEXT,
+    "place": _TEXT,
     "sha256": _TEXT,
     "lot": _TEXT,
     "station": _TEXT,

@@ -49,11 +49,11 @@ def html(result: BatchResult) -> str:
 
 def _verdict(result: BatchResult) -> tuple[str, str]:
     """Return the word on top and its colour."""
-    if any(row["ok"] is False for row in result.rows):
+    if any(row["ok"] is False for row in result.counted):
         return "not all OK", "unexplained"
     if result.found or result.study.said:
         return "look at it", "missing"
-    if any(row["error"] is not None for row in result.rows):
+    if any(row["error"] is not None for row in result.counted):
         return "not all read", "missing"
     return "all OK" if result.limits is not None else "all alike", "complete"
 
@@ -64,9 +64,16 @@ def _pictures(result: BatchResult) -> str:
         said = "Bold: what is named. The first lot itself is held against chance, each other one against it."
         parts.append(figure(plot.batch_hints(result), said))
     if result.study.units:
-        said = "Dots are captures, crosses those that are not OK, broken lines the limits."
+        said = "Dots are captures, crosses those that are not OK, broken lines the limits; triangles at the "
+        said += "edge are captures beyond it, by name and value."
         parts.append(figure(plot.batch_parameters(result), said))
-        parts.append(figure(plot.batch_curves(result), "Red: not OK, or unlike its lot. Broken: the band."))
+        parts.append(
+            figure(
+                plot.batch_curves(result),
+                "Red: not OK, or unlike its lot; triangles: beyond the edge. Broken: the band.",
+            )
+        )
+    if result.study.charts:
         parts.append(figure(plot.batch_charts(result), "Red: the mean moved beyond chance."))
     return "\n".join(parts)
 
@@ -122,14 +129,16 @@ def _capable(result: BatchResult) -> str:
     able = result.study.capability
     if not able:
         return paragraph("Cp and Cpk need limits on parameters, and five captures of a lot.")
-    head = ("parameter", "lot", "captures", "mean", "deviation", "Cp", "Cpk")
+    head = ("parameter", "unit", "lot", "captures", "mean", "deviation", "limits", "Cp", "Cpk")
     rows = [
         (
             one.parameter,
+            result.study.units[one.parameter],
             one.lot or "no lot",
             str(one.captures),
             f"{one.mean:.4g}",
             f"{one.deviation:.3g}",
+            _held(result, one.parameter),
             "" if one.cp is None else f"{one.cp[0]:.2f} ({_ends(one.cp[1:])})",
             f"{one.cpk[0]:.2f} ({_ends(one.cpk[1:])})",
         )
@@ -138,16 +147,31 @@ def _capable(result: BatchResult) -> str:
     return wide_table("Capability, with 95 % intervals; 1.33 and more is usually asked for", head, rows)
 
 
+def _held(result: BatchResult, parameter: str) -> str:
+    held = result.drawn.of(parameter) if result.drawn is not None else None
+    return "" if held is None else f"{held.low:.4g} to {held.high:.4g}"
+
+
 def _gauge(result: BatchResult) -> str:
     gauges = result.study.gauges
     if not gauges:
         return paragraph(
             "Repeatability needs three parts or more that were captured twice: folders or columns named part."
         )
-    head = ("parameter", "captures", "repeats", "stations", "parts", "gauge of all", "classes told apart")
+    head = (
+        "parameter",
+        "unit",
+        "captures",
+        "repeats",
+        "stations",
+        "parts",
+        "gauge of all",
+        "classes told apart",
+    )
     rows = [
         (
             one.parameter,
+            result.study.units[one.parameter],
             str(one.captures),
             *(f"{value:.3g}" for value in (one.repeats, one.stations, one.parts)),
             f"{one.percent:.1f} %",
@@ -155,7 +179,7 @@ def _gauge(result: BatchResult) -> str:
         )
         for one in gauges
     ]
-    return wide_table("Gauge R&R by analysis of variance; deviations in the parameter's unit", head, rows)
+    return wide_table("Gauge R&R by analysis of variance; standard deviations", head, rows)
 
 
 def _ends(ends: tuple[float, ...]) -> str:

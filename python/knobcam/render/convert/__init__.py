@@ -16,7 +16,7 @@ from ...errors import InputError
 from ...model import Model
 from ...model.simulate import simulate
 from ..renderer import check_torque
-from .conversion import Conversion, Fate, Form, Measured
+from .conversion import Conversion, Fate, Form, Measured, moves, rms
 from .target import Options, Target, Unmeasured
 from .terms import terms_of
 
@@ -78,28 +78,35 @@ def convert(
     if abs(track.rate_hz - rate_hz) > _SAME_RATE * rate_hz:
         raise InputError(f"motion: has {track.rate_hz:g} samples a second; give one of rate_hz={rate_hz:g}")
     options = Options(rate_hz, kt, suffix, fmi, track)
-    fates, kept = _judged(model, target, options, without, to)
-    form = target.write(kept, terms_of(kept), options._replace(header=_header(model, fates)))
+    name = motion if isinstance(motion, str) else "given"
+    whole = simulate(model, track, noise="none").tau
+    fates, kept = _judged(model, target, options, without, (to, name, whole))
+    form = target.write(kept, terms_of(kept), options._replace(header=_header(model, fates, name)))
     errors = {fate.effect: fate for fate in form.fates}
     form = form._replace(fates=tuple(errors.get(fate.effect, fate) for fate in fates))
-    name = motion if isinstance(motion, str) else "given"
-    return Conversion(model, kept, to, name, form, _measured(target, form, kept, options))
+    return Conversion(model, kept, to, name, form, _measured(target, form, kept, options, whole))
 
 
 def _judged(
-    model: Model, target: Target, options: Options, without: Sequence[str], to: str
+    model: Model,
+    target: Target,
+    options: Options,
+    without: Sequence[str],
+    about: tuple[str, str, FloatArray],
 ) -> tuple[tuple[Fate, ...], Model]:
     """Return what becomes of each effect, and the model of those that come along.
 
     It is frozen, so that no parameter is tied to one that does not. What is impossible and is not to be left
-    out is refused.
+    out is refused, with what it would cost. `about` are the form, the motion and the whole model's torque.
     """
+    to, name, whole = about
     fates, terms, kept = [], terms_of(model), []
     for fate in target.judge(model, terms, options):
         impossible = fate.kind == "impossible"
         if fate.effect in without or (impossible and EVERY in without):
             how = fate.how if impossible else "by request"
-            fates.append(Fate(fate.effect, "impossible", how, left_out=True))
+            cost = _cost(model, fate.effect, options.motion, whole)
+            fates.append(Fate(fate.effect, "impossible", how, cost, left_out=True))
         elif impossible and terms[fate.effect].neutral:
             fates.append(Fate(fate.effect, "exact", "nothing: its values are those at which it does nothing"))
         else:
@@ -107,13 +114,15 @@ def _judged(
             kept.append(fate.effect)
     refused = [fate for fate in fates if fate.kind == "impossible" and not fate.left_out]
     if refused:
+        costs = [f"{fate.effect} {_cost(model, fate.effect, options.motion, whole):.3g}" for fate in refused]
         raise InputError(
             f"model '{model.name}': impossible in {to}: {_reasons(refused)}; leave them out by name with "
-            f"--without, or all of them with --without {EVERY}"
+            f"--without, or all of them with --without {EVERY}; that costs, in {model.torque_unit} RMS on "
+            f"the motion {name}: {', '.join(costs)}"
         )
     if not kept:
         raise InputError(f"model '{model.name}': {to} can have nothing of it: {_reasons(fates)}")
-    return tuple(fates), Model(model.frozen().core.only(kept))
+    return tuple(fates), _only(model, kept)
 
 
 def _reasons(fates: Sequence[Fate]) -> str:
@@ -122,13 +131,31 @@ def _reasons(fates: Sequence[Fate]) -> str:
     return "; ".join(f"{', '.join(found)} ({how})" for how, found in names.items())
 
 
-def _header(model: Model, fates: tuple[Fate, ...]) -> tuple[str, ...]:
+def _cost(model: Model, effect: str, motion: MotionTrack, whole: FloatArray) -> float:
+    """Return how far the torque of all other effects is from the whole one's, RMS, N m, where it moves."""
+    others = [one for one in model.effects if one != effect]
+    rest = _only(model, others)
+    left = simulate(rest, motion, noise="none").tau if others else np.zeros_like(whole)
+    return rms((whole - left)[moves(motion)])
+
+
+def _only(model: Model, effects: Sequence[str]) -> Model:
+    """Return a model of some of its effects, frozen: no parameter is tied to one that is not there."""
+    return Model(model.frozen().core.only(list(effects)))
+
+
+def _header(model: Model, fates: tuple[Fate, ...], motion: str) -> tuple[str, ...]:
     """Return what a file says of itself."""
-    lines = [f"{model.name or 'A model'} of knobcam, converted."]
-    return (*lines, *(f"Left out: {fate.effect} ({fate.how})." for fate in fates if fate.left_out))
+    unit = model.torque_unit
+    left_out = [
+        f"Left out: {fate.effect} ({fate.how}), {fate.error:.3g} {unit} RMS on the motion {motion}."
+        for fate in fates
+        if fate.left_out
+    ]
+    return (f"{model.name or 'A model'} of knobcam, converted.", *left_out)
 
 
-def _measured(target: Target, form: Form, kept: Model, options: Options) -> Measured:
+def _measured(target: Target, form: Form, kept: Model, options: Options, whole: FloatArray) -> Measured:
     """Return the torque along the motion of the model that was kept, and of what was written."""
     exact = simulate(kept, options.motion, noise="none").tau
     try:
@@ -136,4 +163,4 @@ def _measured(target: Target, form: Form, kept: Model, options: Options) -> Meas
         why = ""
     except Unmeasured as error:
         found, why = None, str(error)
-    return Measured(options.motion, exact, found, why)
+    return Measured(options.motion, exact, found, whole, why)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
@@ -29,7 +30,8 @@ Kind = Literal["exact", "approximate", "impossible"]
 class Fate(NamedTuple):
     """What becomes of an effect, and by what; `error` is the torque that this is expected to cost, RMS, N m.
 
-    `left_out` is one that is impossible there and that the caller does without.
+    `left_out` is one that is impossible there and that the caller does without: what it costs is how far the
+    torque of the whole model is from that of all other effects.
     """
 
     effect: str
@@ -55,29 +57,40 @@ class Form(NamedTuple):
 class Measured(NamedTuple):
     """The torque that the other form was found to have along a motion, beside the model's; N m, (samples,).
 
-    Errors are of the samples at which the knob moves: at rest dry friction is whatever holds it.
+    `exact` is of what was kept of the model, `whole` of all of it. Errors are of the samples at which the
+    knob moves: at rest dry friction is whatever holds it.
     """
 
     motion: MotionTrack
     exact: FloatArray
     found: FloatArray | None
+    whole: FloatArray
     why_not: str = ""
 
     @property
     def torque(self) -> float:
-        """RMS torque of the model, N m."""
-        return _rms(self.exact[self.moves])
+        """RMS torque of what was kept of the model, N m."""
+        return rms(self.exact[self.moves])
 
     @property
     def moves(self) -> BoolArray:
         """The samples at which it is clear which way the knob goes."""
-        speed = np.abs(self.motion.omega)
-        return np.asarray(speed > _STILL * speed.max())
+        return moves(self.motion)
 
     @property
     def error(self) -> float | None:
         """RMS of what the other form has more or less of it, N m; None where nothing could be measured."""
-        return None if self.found is None else _rms((self.found - self.exact)[self.moves])
+        return None if self.found is None else rms((self.found - self.exact)[self.moves])
+
+    @property
+    def lost(self) -> float:
+        """RMS of what the whole model has more or less than what was kept of it, N m."""
+        return rms((self.whole - self.exact)[self.moves])
+
+    @property
+    def whole_error(self) -> float | None:
+        """RMS of what the other form has more or less of the whole model; None where nothing was measured."""
+        return None if self.found is None else rms((self.found - self.whole)[self.moves])
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -108,6 +121,19 @@ class Conversion(showing.Tabled):
     def measured_error(self) -> float | None:
         """RMS torque by which the written form misses the model on the motion, N m; None: not measured."""
         return self.measured.error
+
+    @property
+    def predicted_whole_error(self) -> float:
+        """RMS torque that approximations and what is left out cost together, as foretold; N m.
+
+        Their squares are added, as of torques that have nothing to do with each other.
+        """
+        return math.hypot(self.form.error, self.measured.lost)
+
+    @property
+    def measured_whole_error(self) -> float | None:
+        """RMS torque by which the written form misses all of the model, what is left out too; N m."""
+        return self.measured.whole_error
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -149,6 +175,8 @@ class Conversion(showing.Tabled):
             "torque_rms": self.measured.torque,
             "predicted_error": self.predicted_error,
             "measured_error": self.measured_error,
+            "predicted_whole_error": self.predicted_whole_error,
+            "measured_whole_error": self.measured_whole_error,
             "not_measured": self.measured.why_not or None,
             "remarks": list(self.remarks),
         }
@@ -161,7 +189,7 @@ class Conversion(showing.Tabled):
             (
                 one.effect,
                 "left out" if one.left_out else one.kind,
-                f"{one.error:.3g} {unit}" if one.kind == "approximate" else "-",
+                f"{one.error:.3g} {unit}" if one.kind == "approximate" or one.left_out else "-",
                 one.how,
             )
             for one in self.fates
@@ -175,7 +203,11 @@ class Conversion(showing.Tabled):
         foretold = f"{self.predicted_error:.3g} {unit}"
         if self.measured_error is None:
             return f"Expected error: {foretold} {torque}; not measured: {self.measured.why_not}."
-        return f"Error: {foretold} expected, {self.measured_error:.3g} {unit} measured, {torque}."
+        said = f"Error: {foretold} expected, {self.measured_error:.3g} {unit} measured, {torque}."
+        if not any(one.left_out for one in self.fates):
+            return said
+        both = f"{self.predicted_whole_error:.3g} {unit} expected, {self.measured_whole_error:.3g} {unit}"
+        return f"{said} With what is left out: {both} measured."
 
     def __repr__(self) -> str:
         lines = [f"{self.model.name or 'The model'} for {self.target}", text_table(self._HEAD, self._rows())]
@@ -186,5 +218,12 @@ class Conversion(showing.Tabled):
         return (TextTable(self.summary, self._HEAD, self._rows()),)
 
 
-def _rms(values: FloatArray) -> float:
+def moves(motion: MotionTrack) -> BoolArray:
+    """Return the samples at which it is clear which way the knob goes."""
+    speed = np.abs(motion.omega)
+    return np.asarray(speed > _STILL * speed.max())
+
+
+def rms(values: FloatArray) -> float:
+    """Return the root of the mean square; 0 of nothing."""
     return float((values @ values / len(values)) ** 0.5) if len(values) else 0.0
