@@ -116,7 +116,9 @@ def test_what_came_in_is_named_and_what_is_left_is_said(monkeypatch: pytest.Monk
     nowhere = comparison(False, split("velocity", 0.05), split("time", 0.02))
     assert named(climbed(("stribeck", 3.0)), nowhere)[1].hint == "it shows on no axis alone"
     rhythm = comparison(False, split("frequency", 0.3), split("time", 0.2))
-    assert named(climbed(("stribeck", 3.0)), rhythm)[1] == Unexplained("time", 0.3, "a line at 12.0 Hz")
+    line = named(climbed(("stribeck", 3.0)), rhythm)[1]
+    assert line == Unexplained("time", 0.3, "a line at 12.0 Hz")
+    assert line.hint.parts[0][:3] == ("frequency", 10.0, 14.0)  # where the page leads
     deaf = comparison(False, split("velocity", 0.3), split("time", 0.2), floor=math.nan)
     known = named(climbed(("stribeck", 3.0)), deaf)[1]
     assert (known.axis, known.share) == ("time", 0.8) and "no noise floor" in known.hint

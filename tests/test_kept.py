@@ -26,7 +26,7 @@ LITTLE = 12.0  # how much less takes off hangs on where its search ended
 HARDLY = 0.02  # of what the best explains: a joint that does less ends in another dent on another processor
 SAID_ELSEWHERE = ("captures", "capture", "findings", "candidates", "correlation", "params", "ladder", "axes")
 OF_THE_CATALOGUE = ("place", "law", "source", "shows", "confused", "name", "about", "causes", "remedies")
-OF_THE_CATALOGUE += ("latex", "over", "friction")
+OF_THE_CATALOGUE += ("latex", "over", "section", "friction")
 
 
 def without(document: dict[str, Any], *names: str) -> dict[str, Any]:

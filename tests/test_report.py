@@ -181,6 +181,31 @@ def test_a_report_says_what_a_capture_cannot_tell_and_what_is_unexplained() -> N
 
 
 @pytest.mark.usefixtures("undrawn")
+def test_beside_an_error_that_is_unexplained_no_report_says_that_nothing_is_untold(
+    story: kc.LearningResult, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rest, vague_spring = (
+        "what the error that is left comes of",
+        "return spring: none of its values is determined",
+    )
+    text = Page(report.html(story)).text
+    assert rest not in text and vague_spring not in text
+    monkeypatch.setattr(report, "untold", lambda _: [])
+    monkeypatch.setattr(type(story.fit), "undetermined", {})
+    nothing = "Nothing: what was weighed is told apart"
+    assert not story.limitations and nothing in Page(report.html(story)).text
+    left = dataclasses.replace(story, unexplained=kc.Unexplained("time", 0.4, "a line at 50.0 Hz"))
+    text = Page(report.html(left)).text
+    assert nothing not in text and rest in text
+    # A spring whose every value may be nothing is not determined, whatever chance explains.
+    vague = dataclasses.replace(story)
+    wide = {name: one.widened(100.0 * one.value**2) for name, one in story.params.items()}
+    vague.__dict__["params"] = wide
+    text = Page(report.html(vague)).text
+    assert nothing not in text and vague_spring in text
+
+
+@pytest.mark.usefixtures("undrawn")
 def test_a_report_says_the_name_of_a_file_and_not_where_it_lies(brief: kc.Capture, tmp_path: Path) -> None:
     np.savetxt(
         tmp_path / "knob.csv",

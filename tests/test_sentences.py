@@ -50,6 +50,14 @@ def test_a_sentence_is_text_and_keeps_what_it_is_made_of() -> None:
         Said.of([{"effect": "detent", "more": 1}])
 
 
+def test_a_stretch_that_has_words_is_told_by_them_and_one_that_was_kept_before_it_could_comes_back() -> None:
+    line = Said(Stretch("frequency", 10.0, 20.0, "Hz", 0, "a line at 15.0 Hz"))
+    assert line == "a line at 15.0 Hz" == Said.of(line.document())
+    check(line.document(), list[Part])
+    older = {"axis": "position", "low": -0.5, "high": 0.25, "unit": "rad", "direction": 1}
+    assert Said.of([older]) == "-0.5 to 0.25 rad forward"
+
+
 def test_what_says_nothing_is_joined_to_nothing() -> None:
     assert joined("; ", ("", None, "a", Said(), "b")) == "a; b"
     assert not joined("; ", ("", None))

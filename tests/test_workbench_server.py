@@ -346,3 +346,12 @@ def test_a_file_with_other_columns_is_refused_with_what_they_look_like(client: h
         assert told["still"]["outline"][0] == [0.0, 0.0] and told["empty"]["outline"] == []
     wrong(client.post("/api/open", json={"path": str(tmp_path / "none.npz")}), 400, "cannot be read")
     assert "columns" not in client.post("/api/open", json={"path": str(tmp_path / "none.npz")}).json()
+
+
+def test_a_file_that_is_handed_over_is_refused_by_its_own_name_once(client: httpx.Client):
+    rows = "\n".join(f"{0.001 * i:.3f},{np.sin(0.01 * i):.6f},{np.cos(0.01 * i):.6f}" for i in range(2000))
+    log = f"Time,Position,Iq\n{rows}\n".encode()
+    answer = client.post("/api/upload", content=log, headers={"x-filename": "motor.csv"})
+    said = answer.json()["error"]
+    assert answer.status_code == 400 and "says no unit" in said
+    assert said.startswith("motor.csv: no torque") and said.count("motor.csv") == 1

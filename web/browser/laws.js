@@ -55,7 +55,7 @@ await page.waitForFunction(() => /character/.test(document.getElementById("said"
 await picture("33-formula-refused");
 assert.equal(complaints.splice(0).length, 2); // the refusal, as the browser tells it and as it came
 await form.getByLabel("Torque").fill("2 b (omega/w) / (1 + (omega/w)^2)");
-await page.locator("#own-tried", { hasText: /^would leave 0\.\d+ mNm, .* w = 1\.\d+ rad\/s/ }).waitFor();
+await page.locator("#own-tried", { hasText: /^would leave 0\.\d+ mNm, .* w = 1\.\d+ ± 0\.\d+ rad\/s/ }).waitFor();
 assert.equal(await looked.textContent(), "what the formula that is typed would explain");
 assert.deepEqual((await stateOf(page)).ladder, before.ladder, "nothing is taken by typing");
 figures.formula = await done(page, "add", () => page.keyboard.press("Enter"), figures.add);

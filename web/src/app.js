@@ -352,10 +352,10 @@ class App {
     const { state } = this;
     const { data } = this.linked;
     const node = state?.node;
-    const weighed = state?.candidates.rows.some((row) => row.effect === effect.effect);
     const added = async () => {
-      if (!state || !node || !weighed) return null;
-      return this.store.explained(node, state.active, effect.effect, { verb: "signature", asked: { effect: effect.effect } });
+      if (!state || !node || !state.candidates.rows.some((row) => row.effect === effect.effect)) return null;
+      const how = { verb: "signature", asked: { effect: effect.effect, own: "" } };
+      return this.store.explained(node, state.active, `${effect.effect} alone`, how);
     };
     about(effect, data && node ? { data, at: this.linked.torques[0].marked, added } : null);
   }

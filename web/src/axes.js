@@ -93,6 +93,11 @@ export function labelWithin(label, room, widthOf) {
   return widthOf(label) <= room ? label : label.slice(label.indexOf(", ") + 1).trim();
 }
 
+/** A tick in no more digits than it has: there is little room beside an axis. @param {number} value */
+export function tickWords(value) {
+  return number(value, 6).replace(/\.?0+e/, "e");
+}
+
 /**
  * Where an axis has ticks, and what is written there.
  * @param {Axis} axis
@@ -100,7 +105,7 @@ export function labelWithin(label, room, widthOf) {
  * @returns {[number, string][]}
  */
 function ticksOf({ low, high, factor, log }, count) {
-  if (!log) return ticks(low * factor, high * factor, count).map((value) => [value / factor, number(value, 6)]);
+  if (!log) return ticks(low * factor, high * factor, count).map((value) => [value / factor, tickWords(value)]);
   const few = count / (high - low) >= 3 ? [1, 2, 5] : [1]; // of each decade
   const decades = Array.from({ length: Math.ceil(high) - Math.floor(low) + 1 }, (_, at) => 10 ** (Math.floor(low) + at));
   const shift = Math.log10(factor);

@@ -29,7 +29,7 @@ export function drawCurve(canvas, curve, about, looked) {
   const drawn = laws.map((law) => law?.map((one) => one ?? NaN) ?? null);
   const [low, high] = limits([...edges, ...drawn.filter((law) => law !== null)].map((one) => Float32Array.from(one)), { around: 0 });
   const shown = curve.times ? { factor: 1, unit: "" } : torqueScale(about);
-  const y = { low, high, factor: shown.factor, label: `left over${curve.times ? ` / (${curve.times})` : `, ${shown.unit}`}` };
+  const y = { low, high, factor: shown.factor, label: `left over${curve.times ? ` / ${factorOf(curve.times)}` : `, ${shown.unit}`}` };
   const names = { ink: "--ink", soft: "--soft", line: "--grid", band: "--band", wrong: "--wrong", law: "--signature", rest: "--measured" };
   const colours = Object.fromEntries(Object.entries(names).map(([name, style]) => [name, styleValue(style, canvas)]));
   const first = { low: x[0], high: x[x.length - 1], factor: 1, label: overWords(curve.over, about) };
@@ -91,6 +91,11 @@ export function overWords(over, about) {
   if (!along) return over;
   const label = labelOf(along, about);
   return inside === over ? label : `|${label.replace(", ", "|, ")}`;
+}
+
+/** What a curve is divided by, in words where it is a variable alone. @param {string} times */
+export function factorOf(times) {
+  return times in ALONG ? variableOf(times) : `(${times})`;
 }
 
 /** A variable of a law in words. @param {string} variable */

@@ -135,7 +135,7 @@ export class Laws {
 
   /** @param {Law} row @param {number} number */
   item({ label, law, variables, words, doubt, fall, start }, number) {
-    const of = `of ${variables.map(variableOf).join(", ")}`;
+    const of = `over ${variables.map(variableOf).join(", ")}`;
     const edit = make("button", {
       ...{ type: "button", text: "Edit…", "aria-label": `edit law ${number}`, title: "as a formula of your own" },
       on: { click: () => edited(law, start) },

@@ -82,7 +82,8 @@ function measured({ value, unit, text }, about) {
 }
 
 /** @param {Stretch} part @param {About} about */
-function stretch({ low, high, unit, direction }, about) {
+function stretch({ low, high, unit, direction, words }, about) {
+  if (words) return words;
   const scale = scaleOf(unit, about);
   const [from, to] = [low, high].map((end) => number(end * scale.factor, 4));
   return `${from} to ${to}\u00a0${unbroken(scale.unit)}${DIRECTIONS.get(direction) ?? ""}`;

@@ -13,12 +13,14 @@
 
 const SIZE = { width: 260, height: 120 }; // CSS pixels
 const BINS = 96; // of the positions that a capture passes
+const FREE = 0.02; // of the largest torque: less is carried within the play
 
 /** How each kind is drawn. @type {Record<string, (brush: Brush, now: Now, look: Look) => void>} */
-const KINDS = { joint, gauge, bristles, hills, mass };
+const KINDS = { joint, gap, gauge, bristles, fluid, hills, spring, weight, poles, stops, mass };
 
-/** Which kind an effect is, by where it acts and what its torque follows. @param {Effect} effect */
-export function kindOf({ place, friction, over }) {
+/** Which kind an effect is: what the catalogue says, else by where it acts and what its torque follows. @param {Effect} effect */
+export function kindOf({ place, friction, over, section }) {
+  if (section && section in KINDS) return section;
   if (place === "coupling") return "joint";
   if (place === "sensor") return "gauge";
   if (friction) return "bristles";
@@ -28,9 +30,15 @@ export function kindOf({ place, friction, over }) {
 /** What is seen, in words. @type {Record<string, string>} */
 export const SEEN = {
   joint: "what drives and what is moved, and the joint between them with what it carries",
+  gap: "what drives and what is moved, and the play between them: which side touches, and how hard",
   gauge: "the reading, and in grey what it would be without this",
   bristles: "two surfaces whose asperities bend like bristles as one slides over the other",
   hills: "the hills and valleys that this makes of the way, and where on it the readout is",
+  fluid: "what moves, and the fluid that holds it back: the longer its lines, the faster it goes",
+  spring: "a spring, drawn out and pressed together along the way, and the torque it gives",
+  weight: "a weight off the axis: what it pulls as it goes round",
+  poles: "magnets that pass poles, each pulled to the nearest",
+  stops: "the way, its ends, and what they push back with",
   mass: "the mass that has to be set going and stopped",
 };
 
@@ -189,6 +197,121 @@ function joint(brush, { along, torque }, { ink, shade, colour }) {
   brush.strokeStyle = colour;
   const step = (knob - shaft - 30) / 10;
   line(brush, Array.from({ length: 11 }, (_, n) => [shaft + 30 + n * step, n % 10 === 0 ? 60 : n % 2 ? 48 : 72]));
+}
+
+/**
+ * What drives is a fork around a tongue of what is moved: it touches on the side to which it pushes.
+ * @param {Brush} brush @param {Now} now @param {Look} look
+ */
+function gap(brush, { along, torque, omega }, { ink, shade, colour }) {
+  const fork = 20 + 90 * along;
+  // It touches where it pushes, and where it pushes nothing lies in the play.
+  const side = Math.abs(torque) > FREE ? Math.sign(torque) : 0.6 * Math.sign(omega);
+  const tongue = fork + 40 + 12 * side;
+  brush.strokeStyle = ink;
+  brush.fillStyle = shade;
+  brush.beginPath();
+  for (const [x, y] of [[0, 100], [0, 20], [14, 20], [14, 84], [86, 84], [86, 20], [100, 20], [100, 100]]) brush.lineTo(fork + x, y);
+  brush.closePath();
+  brush.fill();
+  brush.stroke();
+  brush.fillRect(tongue, 10, 20, 62);
+  brush.strokeRect(tongue, 10, 20, 62);
+  if (Math.abs(torque) <= FREE) return;
+  brush.fillStyle = colour;
+  brush.fillRect(side > 0 ? tongue + 20 : tongue - 4, 30, 4, 12 + 28 * Math.abs(torque));
+}
+
+/** A plate over lines of flow. @param {Brush} brush @param {Now} now @param {Look} look */
+function fluid(brush, { along, omega, torque }, { ink, shade, colour }) {
+  const plate = 20 + 120 * along;
+  brush.fillStyle = shade;
+  brush.fillRect(0, 50, 230, 70);
+  brush.strokeStyle = colour;
+  for (let row = 0; row < 5; row++) {
+    const y = 60 + 12 * row;
+    const way = 70 * omega * (1 - row / 5); // the nearer the plate, the faster it flows along
+    line(brush, [[115, y], [115 + way, y]]);
+    line(brush, [[115 + way - 4 * Math.sign(way), y - 3], [115 + way, y], [115 + way - 4 * Math.sign(way), y + 3]]);
+  }
+  brush.fillStyle = shade;
+  brush.strokeStyle = ink;
+  brush.fillRect(plate, 24, 70, 24);
+  brush.strokeRect(plate, 24, 70, 24);
+  brush.strokeStyle = colour;
+  line(brush, [[plate + 35, 36], [plate + 35 + 30 * torque, 36]]);
+}
+
+/** @param {Brush} brush @param {Now} now @param {Look} look */
+function spring(brush, { along }, { ink, soft, shade, colour }) {
+  const end = 70 + 110 * along;
+  brush.strokeStyle = soft;
+  line(brush, [[6, 96], [226, 96]]);
+  brush.strokeStyle = ink;
+  line(brush, [[8, 20], [8, 96]]);
+  brush.strokeStyle = colour;
+  line(brush, Array.from({ length: 15 }, (_, n) => [8 + (n * (end - 8)) / 14, n % 14 === 0 ? 66 : n % 2 ? 50 : 82]));
+  brush.strokeStyle = ink;
+  brush.fillStyle = shade;
+  brush.fillRect(end, 38, 40, 56);
+  brush.strokeRect(end, 38, 40, 56);
+}
+
+/** A wheel with a weight on it, and what it pulls. @param {Brush} brush @param {Now} now @param {Look} look */
+function weight(brush, { theta, torque }, { ink, shade, colour }) {
+  brush.fillStyle = shade;
+  brush.strokeStyle = ink;
+  brush.beginPath();
+  brush.arc(115, 60, 44, 0, 2 * Math.PI);
+  brush.fill();
+  brush.stroke();
+  const [x, y] = [115 + 30 * Math.cos(theta), 60 - 30 * Math.sin(theta)];
+  line(brush, [[115, 60], [x, y]]);
+  brush.fillStyle = colour;
+  brush.beginPath();
+  brush.arc(x, y, 11, 0, 2 * Math.PI);
+  brush.fill();
+  brush.strokeStyle = colour;
+  brush.beginPath();
+  brush.arc(115, 60, 54, -Math.PI / 2, -Math.PI / 2 - 1.2 * torque, torque > 0);
+  brush.stroke();
+}
+
+/** Magnets on what moves, poles below. @param {Brush} brush @param {Now} now @param {Look} look */
+function poles(brush, { along, torque }, { ink, soft, shade, colour }) {
+  const apart = 46;
+  brush.strokeStyle = ink;
+  brush.fillStyle = shade;
+  brush.fillRect(0, 100, 230, 20);
+  for (let x = 0; x < 230; x += apart) {
+    brush.fillRect(x + 8, 74, 26, 26);
+    brush.strokeRect(x + 8, 74, 26, 26);
+  }
+  const moved = 3 * apart * along; // three poles from end to end, to be followed by the eye
+  brush.fillStyle = colour;
+  brush.strokeStyle = soft;
+  for (let n = -3; n < 5; n++) {
+    const x = n * apart + moved;
+    const [left, right] = [Math.max(0, x), Math.min(230, x + 30)];
+    if (right > left) brush.fillRect(left, 28, right - left, 22);
+    if (x > 0 && x < 200) line(brush, [[x + 15, 52], [x + 15 + 14 * torque, 72]]);
+  }
+}
+
+/** @param {Brush} brush @param {Now} now @param {Look} look */
+function stops(brush, { along, torque }, { ink, shade, colour }) {
+  brush.strokeStyle = ink;
+  line(brush, [[6, 96], [226, 96]]);
+  brush.fillStyle = shade;
+  for (const x of [0, 214]) {
+    brush.fillRect(x, 20, 16, 76);
+    brush.strokeRect(x, 20, 16, 76);
+  }
+  const at = 18 + 154 * along;
+  brush.fillRect(at, 48, 40, 46);
+  brush.strokeRect(at, 48, 40, 46);
+  brush.strokeStyle = colour;
+  if (torque !== 0) line(brush, [[at + 20, 34], [at + 20 + 40 * torque, 34]]);
 }
 
 /** @param {Brush} brush @param {Now} now @param {Look} look */

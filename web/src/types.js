@@ -8,9 +8,9 @@
  */
 
 /**
- * A stretch of an axis, where the knob moves forward (1), backward (-1) or both ways (0).
+ * A stretch of an axis, where the knob moves forward (1), backward (-1) or both (0); `words` for it.
  * @typedef {{axis: "position" | "velocity" | "acceleration" | "load" | "history" | "time" | "frequency",
- *   low: number, high: number, unit: string, direction: number}} Stretch
+ *   low: number, high: number, unit: string, direction: number, words: string}} Stretch
  */
 
 /**
@@ -149,7 +149,7 @@
  * An effect of the catalogue, in words.
  * @typedef {{effect: string, place: string, law: string, source: string, shows: string, confused: string[],
  *   title: string, name: string, about: string, causes: string[], remedies: string[], latex: string, over: string,
- *   friction: boolean}} Effect
+ *   section: string | null, friction: boolean}} Effect
  */
 
 /**
@@ -163,7 +163,7 @@
  * `unsettled` says which of its values are not determined, where that is most of them.
  * @typedef {{effect: string, place: string, law: string, source: string, shows: string, confused: string[],
  *   title: string, name: string, about: string, causes: string[], remedies: string[], latex: string, over: string,
- *   friction: boolean,
+ *   section: string | null, friction: boolean,
  *   word: "missing" | "part" | "alike" | "less" | "implausible" | "too_little" | "unpaid" | "chance" | "untold",
  *   said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   could_be: boolean, beyond_chance: boolean, p_value: number, error_fall: number, rmse_heldout: number | null,

@@ -109,19 +109,21 @@ export function plainly({ ready, rows }, about, to) {
     unsettled ? " to see what is left, not for its values; or " : ", and see what is left; or ",
     { words: "find everything", title: "add step by step all that is missing, sets of effects too", go: () => to.every() },
     " at once.",
-    ...(equivalent.length > 0 ? tied(equivalent.map(lead), () => to.apart([effect, ...equivalent])) : []),
+    ...(equivalent.length > 0 ? tied(first.word === "part", equivalent.map(lead), () => to.apart([effect, ...equivalent])) : []),
   ];
 }
 
 /**
  * That others look the same, and what then is to be done: told apart while something else is missing as well, they may
- * be told wrongly.
+ * be told wrongly. Of a part of what is missing others may be the rest.
+ * @param {boolean} part
  * @param {Lead[]} others
  * @param {() => void} go
  * @returns {(string | Lead)[]}
  */
-function tied(others, go) {
+function tied(part, others, go) {
   const tell = { words: "Tell apart", title: "design the motion that would tell", go };
-  const named = others.flatMap((one, at) => [...(at > 0 ? [" or "] : []), one]);
-  return [" This motion looks the same with ", ...named, ": once nothing else is missing, ", tell, " designs what to record next."];
+  const between = (/** @type {number} */ at) => (at === 0 ? [] : [at === others.length - 1 ? " or " : ", "]);
+  const named = others.flatMap((one, at) => [...between(at), one]);
+  return [part ? " Instead of it, or beside it, it could be " : " This motion looks the same with ", ...named, ": once nothing else is missing, ", tell, " designs what to record next."];
 }

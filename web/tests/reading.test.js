@@ -48,6 +48,8 @@ test("a verdict begins with what is missing in plain words, and with what to do 
   assert.match(said(unsettled), /off the error\. But none of its values is determined: .*\. Add it to see what is left, not for its values; or find everything at once\.$/);
   const tied = { ready: true, rows: [{ ...row, equivalent: ["position_polynomial"] }] };
   assert.match(said(tied), /looks the same with smooth torque over position: .* Tell apart designs what to record next/);
+  const beside = { ready: true, rows: [{ ...row, word: "part", equivalent: ["a", "b", "position_polynomial"] }] };
+  assert.match(said(beside), / Instead of it, or beside it, it could be a, b or smooth torque over position: once nothing else is missing/);
   for (const part of plainly(/** @type {any} */ (tied), KNOB, to)) if (typeof part === "object" && /Add|Tell/.test(part.words)) part.go();
   assert.deepEqual(led, ["detent", "detent,position_polynomial"]);
   assert.equal(said({ ready: false, rows: [row] }), "");

@@ -1,7 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { limits } from "../src/axes.js";
+import { limits, tickWords } from "../src/axes.js";
+import { factorOf } from "../src/curve.js";
 import { enoughWords, limitWords, ofLimits } from "../src/evidence.js";
 import { latest } from "../src/latest.js";
 import { momentWords } from "../src/acting.js";
@@ -9,6 +10,12 @@ import { restWords } from "../src/candidates.js";
 import { apart, plusMinus, withoutName } from "../src/params.js";
 import { shownLimit, wider } from "../src/within.js";
 import { figure, number, percent, thousands, ticks, torqueScale, torqueWord } from "../src/numbers.js";
+
+test("a tick has no more digits than it needs, and a curve is over what a person calls a variable", () => {
+  assert.deepEqual([5e-5, -1e-4, 1.25e-7, 0, 0.25, 150].map(tickWords), ["5e−5", "−1e−4", "1.25e−7", "0", "0.25", "150"]);
+  assert.equal(factorOf("alpha"), "acceleration");
+  assert.equal(factorOf("sign(omega)"), "(sign(omega))");
+});
 
 test("numbers have a true minus and as many digits as they need", () => {
   assert.equal(number(-0.00012345), "−1.23e−4");

@@ -5,7 +5,7 @@ use super::signals::PySignals;
 use super::watched::watched;
 use knobcore::carry::carrier;
 use knobcore::chain::{self, Hand};
-use knobcore::effects::{Base, Id};
+use knobcore::effects::{Base, Id, Section};
 use knobcore::error::Result;
 use knobcore::forward::forward as forward_core;
 use knobcore::model::{Model, Role};
@@ -340,6 +340,7 @@ fn row(py: Python<'_>, id: Id, axis: Axis) -> PyResult<Bound<'_, PyDict>> {
     row.set_item("remedies", info.words.remedies)?;
     row.set_item("latex", info.words.latex)?;
     row.set_item("over", info.over.text())?;
+    row.set_item("section", info.section.map(Section::text))?;
     row.set_item("friction", info.is_friction())?;
     row.set_item("map", info.is_map())?;
     row.set_item("along", info.is_along())?;

@@ -123,6 +123,7 @@ class Effect(TypedDict):
     remedies: list[str]
     latex: str
     over: str
+    section: str | None
     friction: bool
 
 

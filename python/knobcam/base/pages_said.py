@@ -26,13 +26,14 @@ class Quantity(TypedDict):
 
 
 class Stretch(TypedDict):
-    """A stretch of an axis, where the knob moves forward (1), backward (-1) or both ways (0)."""
+    """A stretch of an axis, where the knob moves forward (1), backward (-1) or both (0); `words` for it."""
 
     axis: Along
     low: float
     high: float
     unit: str
     direction: int
+    words: str
 
 
 class OfAxis(TypedDict):

@@ -25,16 +25,17 @@ class Quantity(NamedTuple):
 
 
 class Stretch(NamedTuple):
-    """A stretch of an axis, moved through forward (1), backward (-1) or both ways (0)."""
+    """A stretch of an axis, moved through forward (1), backward (-1) or both (0); `words` for it, if any."""
 
     axis: str
     low: float
     high: float
     unit: str
     direction: int
+    words: str = ""
 
     def __str__(self) -> str:
-        return f"{self.low:.4g} to {self.high:.4g} {self.unit}{_DIRECTIONS[self.direction]}"
+        return self.words or f"{self.low:.4g} to {self.high:.4g} {self.unit}{_DIRECTIONS[self.direction]}"
 
 
 class OfAxis(NamedTuple):
@@ -135,7 +136,7 @@ class Said(str):
 
 def _piece(told: Mapping[str, Any]) -> Piece:
     for kind in _KINDS:
-        if told.keys() == set(kind._fields):
+        if {*kind._fields} - {*kind._field_defaults} <= told.keys() <= {*kind._fields}:
             return kind(**told)
     raise ValueError(f"{dict(told)!r} is no part of a sentence")
 

@@ -35,6 +35,7 @@ _UNITS = {
     "history": ("rad", "m"),
 }
 _NEARLY = 99.95  # per cent, which a decimal rounds up to all
+_MANY = 100.0  # noise floors, from which on a hundredth of one is nothing
 _ROUNDING = 1e-6  # of the torque: what is smaller is not left by a model
 # What any residual fills as well, whatever its cause, leads only with clearly more than the others.
 _WEIGHT = {"frequency": RULE.frequency_leads, "time": RULE.time_leads}
@@ -68,6 +69,11 @@ class Figures(NamedTuple):
         explained = 100.0 * self.explained
         nearly = explained > _NEARLY and self.relative > _ROUNDING
         return Quantity(explained, "%", "more than 99.9" if nearly else f"{explained:.1f}")
+
+
+def in_floors(times: float) -> str:
+    """Return how many times its noise floor an error is, in no more digits than tell anything."""
+    return f"{times:.2f}" if times < _MANY else f"{times:.0f}"
 
 
 class Region(NamedTuple):
@@ -238,7 +244,10 @@ class Comparison(showing.Tabled):
             end = "{head}: {times:.3f} times the noise floor of {floor}, and no axis shows where."
             return said(end, head=head, times=times, floor=floor)
         return said(
-            "{head}: {times:.2f} times the noise floor of {floor}.", head=head, times=times, floor=floor
+            "{head}: {times} times the noise floor of {floor}.",
+            head=head,
+            times=in_floors(times),
+            floor=floor,
         )
 
     @property

@@ -67,7 +67,8 @@ def _nothing_left(story: LearningResult, names: Said, *, beyond: bool) -> Said:
         return said(f"{{names}} {was} missing; with {it} {rest} is chance.", names=names)
     if beyond:
         return Said("Nothing is missing of what passes the torque filter: chance explains that.")
-    return Said("Nothing is missing that this capture could show: chance explains the error.")
+    these = "these captures" if len(story.fit.prepared) > 1 else "this capture"
+    return Said(f"Nothing is missing that {these} could show: chance explains the error.")
 
 
 def _not_to_be_told(story: LearningResult, what: Unexplained, head: Head) -> Said | None:

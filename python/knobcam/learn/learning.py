@@ -261,7 +261,8 @@ class LearningResult(showing.Tabled):
             lines.append("Where the captures disagree:")
             lines += [f"  {one}." for one in self.disagreements]
         if self.limitations:
-            lines.append("What this capture cannot tell:")
+            these = "these captures" if len(self.captures) > 1 else "this capture"
+            lines.append(f"What {these} cannot tell:")
             lines += [f"  {one.message}; {one.record}." for one in self.limitations]
         return "\n".join(lines)
 

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from ..base.said import OfEffect, number, said
+from ..base.said import OfEffect, Said, Stretch, number, said
 from ..base.said import joined as in_words
 from ..capture.prepare import travel
 from ..fit.absent import absent
@@ -377,5 +377,7 @@ def _unexplained(comparison: Comparison) -> Unexplained | None:
     if axis == "frequency":
         # A disturbance with a rhythm of its own is an event in time.
         axis = "time"
-        hint = said("a line at {hz:.1f} Hz", hz=0.5 * (worst.regions[0].start + worst.regions[0].end))
+        line = worst.regions[0]
+        words = f"a line at {0.5 * (line.start + line.end):.1f} Hz"
+        hint = Said(Stretch("frequency", line.start, line.end, "Hz", 0, words))
     return Unexplained(axis, worst.share, hint)

@@ -57,8 +57,9 @@ class Effect(showing.Tabled):
 
     `title` is what it is called in a list, `name` what a person would say is there, `about` one sentence of
     what it is, `causes` and `remedies` what usually brings it about and takes it away, `latex` its law for
-    typesetting. `over` is what its torque follows, a `map` a torque of position alone, what is `along` of
-    position but for the sign of the motion, `base` its part in the base model ("always", "where it shows");
+    typesetting. `over` is what its torque follows, `section` the machine part that it is drawn
+    as, a `map` a torque of position alone, what is `along` of position but for the sign of the motion, `base`
+    its part in the base model ("always", "where it shows");
     `unsearched` says why no motion can show that it is missing; one that `clips` predicts what a sensor at
     its limit reads; `taken_up` names what others do as well; `given` says why no voltage of a motor has it.
     """
@@ -79,6 +80,7 @@ class Effect(showing.Tabled):
     remedies: tuple[str, ...]
     latex: str
     over: Over
+    section: str | None
     friction: bool
     map: bool
     along: bool
@@ -120,6 +122,7 @@ class Effect(showing.Tabled):
             "remedies": list(self.remedies),
             "latex": self.latex,
             "over": self.over,
+            "section": self.section,
             "friction": self.friction,
         }
 

@@ -14,11 +14,13 @@ from typing import TYPE_CHECKING
 
 from .._core import __version__
 from ..base.writing import write as write_file
+from ..fit.doubts import unsettled
 from ..fit.estimate import rows_of
 from ..fit.refit import percent
 from ..fit.unheard import unheard
 from ..learn.contenders import untold_of_each
 from ..model.effects import effect as catalogued
+from ..model.effects import effects
 from .look_page import section
 from .markup import bullets, figure, law, paragraph, style, wide_table
 from .samples import steps
@@ -101,7 +103,7 @@ def _title(learned: LearningResult) -> str:
 def _untold(learned: LearningResult) -> str:
     """What the captures cannot tell: names that explain them as well, and values.
 
-    What nothing explains is the headline of the page.
+    What the error that nothing explains looks like is in the headline of the page.
     """
     kind = learned.model.coordinate
     said = [
@@ -115,11 +117,27 @@ def _untold(learned: LearningResult) -> str:
     for name, why in fit.undetermined.items():
         why_not.setdefault(with_params(why, fit.params, kind), []).append(param_word(name, kind))
     said += [f"{and_words(names)}: {why}" for why, names in why_not.items()]
-    return (
-        bullets(said)
-        if said
-        else paragraph("Nothing: what was weighed is told apart, and every value is determined.")
-    )
+    said += _unsettled(learned)
+    rest = ["what the error that is left comes of, as said above"] if learned.unexplained else []
+    if said or rest:
+        return bullets([*rest, *said])
+    return paragraph("Nothing: what was weighed is told apart, and every value is determined.")
+
+
+def _unsettled(learned: LearningResult) -> list[str]:
+    """Of each effect that came in which values may be nothing as well, where that is most of them."""
+    kind = learned.model.coordinate
+    told = []
+    for effect in dict.fromkeys(step.added for step in learned.ladder):
+        own = {name: one for name, one in learned.params.items() if name.startswith(f"{effect}.")}
+        known = effects(kind).get(effect or "")
+        if known and own and (why := unsettled(known, own)):
+            told.append(f"{known.title}: {why}")
+    return told
+
+
+def _these(learned: LearningResult) -> str:
+    return "This capture" if len(learned.captures) == 1 else "These captures"
 
 
 def _next(learned: LearningResult) -> str:
@@ -218,7 +236,8 @@ def _evidence(step: LearningStep, kind: str) -> str:
 
 
 def _chances(p_value: float) -> str:
-    return "fewer than one capture of 1000" if p_value < 0.001 else f"{100.0 * p_value:.2g} captures of 100"
+    # The draws that it was tried on tell no less.
+    return "at most one capture of 1000" if p_value <= 0.001 else f"{100.0 * p_value:.2g} captures of 100"
 
 
 def _why(learned: LearningResult) -> str:
@@ -252,7 +271,7 @@ def _alternatives(learned: LearningResult) -> str:
             names = [step.added, *step.equivalent]
             shows = [f"{effect_word(name, kind)} shows {catalogued(name, kind).shows}" for name in names]
             parts.append(
-                paragraph("This capture cannot tell them apart. Record a motion in which they differ:")
+                paragraph(f"{_these(learned)} cannot tell them apart. Record a motion in which they differ:")
             )
             parts.append(bullets(shows))
         else:
@@ -275,7 +294,8 @@ def _weighed(diagnosis: Diagnosis) -> str:
     left_out = bullets(
         f"{effect_word(one, kind)}, left out: {why}" for one, why in diagnosis.left_out.items()
     )
-    picture = figure(diagnosis.plot(), "Solid bars: could be missing. Linked: alike in this capture.")
+    there = "this capture" if len(diagnosis.fit.prepared) == 1 else "these captures"
+    picture = figure(diagnosis.plot(), f"Solid bars: could be missing. Linked: alike in {there}.")
     return picture + table + (left_out if diagnosis.left_out else "")
 
 

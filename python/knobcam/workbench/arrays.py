@@ -57,6 +57,14 @@ def signature(candidate: Candidate, view: View, at: int) -> bytes:
     return explained(candidate.effect, candidate.fit.model, view, at)
 
 
+def own(candidate: Candidate, view: View, at: int) -> bytes:
+    """Return the torque of a weighed effect itself, N m, without what the others give up for it."""
+    signals, model = view.fit.prepared[at], candidate.fit.model
+    others = model.core.only([one for one in model.effects if one != candidate.effect])
+    step = model.core.torque(signals.core) - others.torque(signals.core)
+    return packed({candidate.effect: signals.on_capture(step)})
+
+
 def explained(name: str, model: Model, view: View, at: int) -> bytes:
     """Return what another model would explain of the residual on a capture, N m, as a column of this name."""
     signals = view.fit.prepared[at]

@@ -39,8 +39,14 @@ class Unmapped(InputError):
         self.guess = guess
 
 
-def explained(error: InputError, path: Path, options: Mapping[str, Any], max_bytes: int) -> InputError:
-    """Return the error with the columns of the file, if it was for them that it could not be taken in."""
+def explained(
+    error: InputError, path: Path, options: Mapping[str, Any], max_bytes: int, name: str = ""
+) -> InputError:
+    """Return the error with the columns of the file, if it was for them that it could not be taken in.
+
+    `name` is what the file is called where it lies by another: one that a browser handed over.
+    """
+    name = name or path.name
     try:
         load(path, max_bytes=max_bytes, **options)
     except InputError as again:
@@ -52,8 +58,8 @@ def explained(error: InputError, path: Path, options: Mapping[str, Any], max_byt
         shown = [_described(*one) for one in columns.items() if one[1].ndim == 1]
         said, asked, _ = str(error).partition("; say which is which, for example --map")
         if asked:  # its folder and its columns are on the screen, and what the map of a command would be too
-            why = said.removeprefix(f"{path}: ").partition("; the file has ")[0]
-            said = f"{path.name}: {_plainly(why, len(shown))}"
+            why = said.removeprefix(f"{path}: ").removeprefix(f"{name}: ").partition("; the file has ")[0]
+            said = f"{name}: {_plainly(why, len(shown))}"
         if isinstance(again, Unclear) and again.unnamed and {"theta", "tau"} <= set(found):
             said = _FILLED_IN  # what it lacks by name stands in the fields already
         guess = {name: _guessed(entry) for name, entry in found.items()}

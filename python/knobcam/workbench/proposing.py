@@ -263,13 +263,18 @@ def curve(found: Proposals | None) -> Curve | None:
 
 
 def _in_words(params: Mapping[str, Estimate]) -> list[str]:
+    """Values with half their 95 % interval, as the parameters of the model have them."""
     words = (
-        f"{name} = {e.value:.4g} {unit_word(e.unit)} ({e.interval})"
+        f"{name} = {e.value:.4g}{_give_or_take(e)} {unit_word(e.unit)}{' (fixed)' if e.held else ''}"
         if e.determined
         else f"{name} {e.interval}"
         for name, e in params.items()
     )
-    return [one.replace("-", "−").replace("  ", " ") for one in words]
+    return [one.replace("-", "−").replace("  ", " ").strip() for one in words]
+
+
+def _give_or_take(e: Estimate) -> str:
+    return f" ± {0.5 * (e.ci95[1] - e.ci95[0]):.2g}" if e.ci95[1] > e.ci95[0] else ""
 
 
 def doubt_of(params: Mapping[str, Estimate]) -> str:

@@ -178,7 +178,7 @@ class _Server:
         return json_answer({"splits": await run_in_threadpool(view.splits)})
 
     async def signature(self, request: Request) -> Response:
-        """What a weighed effect would explain of a capture's residual."""
+        """What a weighed effect would explain of a capture's residual, or the torque of it alone."""
         asked = request.query_params
         view = self.session.view_of(asked.get("node", ""))
         at = self.session.place(view, asked.get("capture", ""))
@@ -187,7 +187,8 @@ class _Server:
         weighed = [one for one in diagnosis.candidates if one.effect == effect] if diagnosis else []
         if not weighed:
             raise InputError(f"effect {effect!r} is not weighed at this node")
-        return bytes_answer(await run_in_threadpool(arrays.signature, weighed[0], view, at))
+        told = arrays.own if "own" in asked else arrays.signature
+        return bytes_answer(await run_in_threadpool(told, weighed[0], view, at))
 
     async def picture(self, request: Request) -> Response:
         """Where an effect of the catalogue shows."""
@@ -301,7 +302,7 @@ class _Server:
                     capture = load(target, max_bytes=self.upload_bytes, **options)
                 except InputError as error:
                     said = InputError(str(error).replace(str(target), name))
-                    raise explained(said, target, options, self.upload_bytes) from error
+                    raise explained(said, target, options, self.upload_bytes, name) from error
                 if capture.meta.get("source") == str(target):
                     capture = replace(capture, meta={**capture.meta, "source": name})
                 keeper = self.bench.keeper

@@ -90,19 +90,23 @@ class View:
         return signals.on_capture(cast("FloatArray", signals.core.column("history")))
 
     def splits(self) -> list[pages.Split]:
-        """Return the error along every axis; none of a model that a hand has moved."""
+        """Return the error along every axis; none of a model that a hand has moved.
+
+        Bins without a sample are left out: they would be drawn as if the model were right there.
+        """
         known = get_args(Along)
         found = [] if self.dragged else [one for one in self.fit.compare().splits if one.axis in known]
         return [
             {
                 "axis": cast("Along", one.axis),
-                "low": one.low.tolist(),
-                "high": one.high.tolist(),
-                "direction": one.direction.tolist(),
-                "mean": one.mean.tolist(),
-                "band": one.band.tolist(),
+                "low": one.low[there].tolist(),
+                "high": one.high[there].tolist(),
+                "direction": one.direction[there].tolist(),
+                "mean": one.mean[there].tolist(),
+                "band": one.band[there].tolist(),
             }
             for one in found
+            for there in (one.count > 0.0,)
         ]
 
     def part(self, at: int, part: Part) -> FloatArray:

@@ -1,6 +1,6 @@
 //! Backlash: free play between shaft and knob.
 
-use super::{Carrier, Context, CouplingEffect, Effect, Id, Joint, Nonlinear, Survey, Words};
+use super::{Carrier, Context, CouplingEffect, Effect, Id, Joint, Nonlinear, Section, Survey, Words};
 use crate::param::{Param, Unit};
 use crate::prelude::*;
 use crate::scalar::Scalar;
@@ -20,6 +20,7 @@ impl Effect<4> for Backlash {
     const SOURCE: &'static str = "Nordin & Gutman 2002, Equation 4; Nordin, Galic & Gutman 1997";
     const SHOWS: &'static str = "after each reversal: the torque of the free side only";
     const CONFUSED: &'static [&'static str] = &["presliding", "directional_detent", "compliance"];
+    const SECTION: Option<Section> = Some(Section::Gap);
     const MAKES_NONLINEAR: Option<Nonlinear> = Some(Nonlinear::Everything);
     const WORDS: Words = Words {
         title: "backlash",

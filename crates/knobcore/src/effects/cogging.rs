@@ -1,6 +1,6 @@
 //! Cogging: poles and slots pull at whole numbers of places per revolution.
 
-use super::{Carrier, Context, Effect, Id, LoadEffect, Over, Survey, Wave, Words};
+use super::{Carrier, Context, Effect, Id, LoadEffect, Over, Section, Survey, Wave, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit, Usual};
 use crate::prelude::*;
@@ -73,6 +73,7 @@ impl Effect<COUNT> for Cogging {
         latex: r"\sum_i a_i \sin\!\left(\frac{n_i\,\theta}{P} + \varphi_i\right),\quad n_i \in \mathbb{N}",
     };
     const OVER: Over = Over::Position;
+    const SECTION: Option<Section> = Some(Section::Poles);
     const SCAN: Option<Wave> = Some(Wave::Orders);
     const PARAMS: [Param; COUNT] = params();
 

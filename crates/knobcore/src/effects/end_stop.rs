@@ -1,6 +1,6 @@
 //! End stop: a stiff ramp beyond an angle, on each side.
 
-use super::{Carrier, Context, Effect, Id, LoadEffect, Over, Survey, Words};
+use super::{Carrier, Context, Effect, Id, LoadEffect, Over, Section, Survey, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::prelude::*;
@@ -42,6 +42,7 @@ impl Effect<6> for EndStop {
         ),
     };
     const OVER: Over = Over::Position;
+    const SECTION: Option<Section> = Some(Section::Stops);
     const PARAMS: [Param; 6] = [
         Param::shape("k_lo", Unit::of(1, -1, 0), [0.0, 1e9], 0.0, "stiffness of the lower stop"),
         Param::shape("lo", Unit::of(0, 1, 0), [-1e6, 1e6], -1e6, "where the lower stop begins"),

@@ -63,7 +63,7 @@ pub use context::Context;
 pub(crate) use context::{rate, short};
 pub use registry::Info;
 pub use survey::{Survey, Wave, apart};
-pub use told::{Base, Over, TakenUp, Words};
+pub use told::{Base, Over, Section, TakenUp, Words};
 pub use user::{Does, Function, User, version};
 
 /// Why a law that bends over the acceleration has no place where a motion is simulated.
@@ -125,6 +125,8 @@ pub trait Effect<const N: usize> {
     const WORDS: Words;
     /// What its torque follows.
     const OVER: Over = Over::Several;
+    /// What a cross-section draws it as.
+    const SECTION: Option<Section> = None;
     /// Its part in the base model.
     const BASE: Option<Base> = None;
     /// Whether it describes whatever is there, and names no cause.

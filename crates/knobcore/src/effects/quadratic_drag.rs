@@ -1,6 +1,6 @@
 //! Quadratic drag: a fluid that the knob stirs.
 
-use super::{Carrier, Effect, Id, LoadEffect, Over, Words};
+use super::{Carrier, Effect, Id, LoadEffect, Over, Section, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit, Usual};
 use crate::scalar::Scalar;
@@ -35,6 +35,7 @@ impl Effect<2> for QuadraticDrag {
         latex: r"d\,|\omega|^{\,n}\operatorname{sgn}\omega",
     };
     const OVER: Over = Over::Velocity;
+    const SECTION: Option<Section> = Some(Section::Fluid);
     const PARAMS: [Param; 2] = [
         Param::linear("d", Unit::of(1, -2, 2), "drag; where n is not 2, that at 1 rad/s")
             .plausibly(0.0, f64::INFINITY),

@@ -1,6 +1,6 @@
 //! How one line per effect becomes the catalogue: what every effect says of itself, and which of them there are.
 
-use super::{Base, Effect, Nonlinear, Over, Place, TakenUp, Wave, Words};
+use super::{Base, Effect, Nonlinear, Over, Place, Section, TakenUp, Wave, Words};
 use crate::motion::Channel;
 use crate::param::Param;
 use crate::prelude::*;
@@ -36,6 +36,8 @@ pub struct Info {
     pub words: Words,
     /// See [`Effect::OVER`].
     pub over: Over,
+    /// See [`Effect::SECTION`].
+    pub section: Option<Section>,
     /// See [`Effect::BASE`].
     pub base: Option<Base>,
     /// See [`Effect::DESCRIBES`].
@@ -74,6 +76,7 @@ impl Info {
             makes_nonlinear: E::MAKES_NONLINEAR,
             words: E::WORDS,
             over: E::OVER,
+            section: E::SECTION,
             base: E::BASE,
             describes: E::DESCRIBES,
             unsearched: E::UNSEARCHED,
@@ -116,6 +119,7 @@ impl Info {
                 latex: "",
             },
             over: Over::Several,
+            section: None,
             base: None,
             describes: false,
             unsearched: None,

@@ -1,6 +1,6 @@
 //! Return spring: the ramp of the paper, K theta about a rest angle.
 
-use super::{Carrier, Effect, Id, LoadEffect, Over, Words};
+use super::{Carrier, Effect, Id, LoadEffect, Over, Section, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -34,6 +34,7 @@ impl Effect<2> for ReturnSpring {
         latex: r"k\,(\theta - \theta_0)",
     };
     const OVER: Over = Over::Position;
+    const SECTION: Option<Section> = Some(Section::Spring);
     const PARAMS: [Param; 2] = [
         Param::linear("k", Unit::of(1, -1, 0), "stiffness"),
         Param::shape("theta0", Unit::of(0, 1, 0), [-1e6, 1e6], 0.0, "rest angle"),

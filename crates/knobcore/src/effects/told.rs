@@ -51,6 +51,37 @@ impl Over {
     }
 }
 
+/// The machine part that a cross-section draws an effect as, of one that where it acts and what it follows do not tell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Section {
+    /// Two parts that do not touch within it.
+    Gap,
+    /// A spring that is drawn out and pressed together.
+    Spring,
+    /// A weight off the axis, or on it where the axis slides.
+    Weight,
+    /// Magnets that pass poles.
+    Poles,
+    /// A fluid that is sheared or pushed aside.
+    Fluid,
+    /// Walls at the ends of the way.
+    Stops,
+}
+
+impl Section {
+    /// As it is printed.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Gap => "gap",
+            Self::Spring => "spring",
+            Self::Weight => "weight",
+            Self::Poles => "poles",
+            Self::Fluid => "fluid",
+            Self::Stops => "stops",
+        }
+    }
+}
+
 /// The part of an effect in the base model, Equation 1 of the haptic-camera paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Base {

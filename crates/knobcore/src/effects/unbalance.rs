@@ -1,6 +1,6 @@
 //! Unbalance: once per revolution, by gravity or runout.
 
-use super::{Carrier, Effect, Id, LoadEffect, Over, Words};
+use super::{Carrier, Effect, Id, LoadEffect, Over, Section, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -33,6 +33,7 @@ impl Effect<2> for Unbalance {
         latex: r"a \sin(\theta + \varphi)",
     };
     const OVER: Over = Over::Position;
+    const SECTION: Option<Section> = Some(Section::Weight);
     const PARAMS: [Param; 2] =
         [Param::linear("a", Unit::of(1, 0, 0), "amplitude"), Param::phase("phi", 0, "phase")];
 

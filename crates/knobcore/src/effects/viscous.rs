@@ -1,6 +1,6 @@
 //! Viscous friction: proportional to the speed, with a coefficient per direction.
 
-use super::{Base, Carrier, Effect, LoadEffect, Over, Words};
+use super::{Base, Carrier, Effect, LoadEffect, Over, Section, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -37,6 +37,7 @@ impl Effect<2> for Viscous {
         ),
     };
     const OVER: Over = Over::Velocity;
+    const SECTION: Option<Section> = Some(Section::Fluid);
     const BASE: Option<Base> = Some(Base::Always);
     const PARAMS: [Param; 2] = [
         Param::linear("neg", Unit::of(1, -1, 1), "viscous coefficient moving backward"),

@@ -51,7 +51,7 @@ use separable::{Effort, Layout, at_least_own, descend};
 use serial::{Meat, serial, thinned};
 use solve::{Normal, independent, solvable};
 use std::cell::OnceCell;
-use undetermined::{SILENT, silent, tame, undetermined};
+use undetermined::{silent, tame, undetermined, unheard};
 use uneven::louder;
 
 /// Blocks of the block bootstrap and of the held-out error.
@@ -136,7 +136,7 @@ fn found(data: &[&Signals], model: &Model, detents: Detents) -> Result<Fit> {
     let mut fit = finish(data, model, &layout, found, scan, &loudest, true)?;
     for name in silent {
         fit.model.set_role(&name, Role::Free)?;
-        fit.undetermined.push(Undetermined { name, why: SILENT.into() });
+        fit.undetermined.push(Undetermined { name, why: unheard(data.len()) });
     }
     Ok(fit)
 }
@@ -327,7 +327,7 @@ fn finish(
     };
     let undetermined = (0..layout.free.len())
         .filter(|c| !kept.contains(c))
-        .map(|c| undetermined(&model, layout, &at, total, &kept, c))
+        .map(|c| undetermined(&model, layout, &at, total, &kept, c, data.len()))
         .collect();
     Ok(Fit {
         free: kept.iter().map(|&column| layout.free[column]).collect(),

@@ -18,7 +18,13 @@ pub struct Undetermined {
 }
 
 /// Why a parameter without influence is undetermined.
-pub(super) const SILENT: &str = "nothing in this capture depends on it; record a motion that does, or fix it";
+pub(super) fn unheard(captures: usize) -> String {
+    format!("nothing in {} depends on it; record a motion that does, or fix it", these(captures))
+}
+
+fn these(captures: usize) -> &'static str {
+    if captures == 1 { "this capture" } else { "these captures" }
+}
 
 /// Linear parameters that the torque of no counted sample depends on. The filter smears a trace of them into
 /// counted samples from others, which would let them be fitted, to anything.
@@ -72,6 +78,7 @@ pub(super) fn undetermined(
     total: f64,
     kept: &[usize],
     column: usize,
+    captures: usize,
 ) -> Undetermined {
     let name = |column: usize| model.slots()[layout.free[column]].name();
     let length = at.gram(column, column);
@@ -84,11 +91,12 @@ pub(super) fn undetermined(
         let parts = kept.iter().zip(&along).filter(|(i, x)| (*x * *x) * at.gram(**i, **i) > 1e-4 * length);
         let others: Vec<String> = parts.map(|(&i, _)| name(i)).collect();
         format!(
-            "this capture cannot tell it from {}; record a motion that does, or fix or tie one of them",
+            "{} cannot tell it from {}; record a motion that does, or fix or tie one of them",
+            these(captures),
             others.join(", ")
         )
     } else {
-        SILENT.into()
+        unheard(captures)
     };
     Undetermined { name: name(column), why }
 }
@@ -98,6 +106,22 @@ mod tests {
     use super::*;
     use crate::effects::Id;
     use crate::param::Axis;
+
+    #[test]
+    fn what_several_captures_cannot_tell_is_said_of_all_of_them() {
+        for (captures, whose) in [(1, "this capture"), (2, "these captures")] {
+            assert!(unheard(captures).contains(whose));
+            let model = Model::equation_1(Axis::Rotary, false);
+            let layout = Layout::of(&model);
+            let mut at = Moments::empty(layout.free.len());
+            // All columns are one: of two of them either does.
+            let mut columns = vec![[1.0, 2.0]; layout.free.len()];
+            columns.push([0.0; 2]);
+            at.add_columns(&columns.iter().map(<[f64; 2]>::as_slice).collect::<Vec<_>>());
+            let why = undetermined(&model, &layout, &at, 1.0, &[0], 1, captures).why;
+            assert!(why.starts_with(&format!("{whose} cannot tell it from")), "{why}");
+        }
+    }
 
     #[test]
     fn a_derivative_of_which_the_last_digit_moves_all_is_told_to_be_wild_behind_a_joint_and_nowhere_else() {
@@ -116,7 +140,7 @@ mod tests {
                 let mut at = Moments::empty(layout.free.len());
                 at.add_columns(&columns.iter().map(<[f64; 2]>::as_slice).collect::<Vec<_>>());
                 assert_eq!(!tame(&model, &layout, &at, 1.0).contains(&mass), leaps, "{behind} {times}");
-                let why = undetermined(&model, &layout, &at, 1.0, &[], mass).why;
+                let why = undetermined(&model, &layout, &at, 1.0, &[], mass, 1).why;
                 assert_eq!(why == LEAPS, leaps, "{why}");
             }
         }

@@ -122,5 +122,6 @@ def _links(axes: Axes, candidates: tuple[Candidate, ...]) -> None:
         axes.plot([x, x], [min(group), max(group)], color=ORANGE, lw=2.2, transform=line)
         for row in group:
             axes.plot([x, 0.095], [row, row], color=ORANGE, lw=2.2, transform=line)
-        label = "look alike in this capture" if len(drawn) == 1 else None
+        there = "this capture" if len(candidates[0].fit.prepared) == 1 else "these captures"
+        label = f"look alike in {there}" if len(drawn) == 1 else None
         axes.plot([x], [min(group)], color=ORANGE, lw=2.2, transform=line, label=label)

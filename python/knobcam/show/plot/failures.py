@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from ...fit.compare import in_floors
 from ..words import axis_tick, axis_word, unit_word
 from .style import (
     BACKWARD,
@@ -98,7 +99,7 @@ def of_excess(split: Split) -> str:
     if split.axis == "frequency" and beyond > 0.0:
         return "no line stands out"  # though more is left than noise at many: that is wide, as of an event
     # Where so many bins leave their band that it is seen, the axis as a whole may still be chance's.
-    return "no more than chance, all bins together" if beyond > _SOME else "no more than chance"
+    return "chance as a whole" if beyond > _SOME else "no more than chance"
 
 
 def _verdict(comparison: Comparison) -> str:
@@ -108,8 +109,8 @@ def _verdict(comparison: Comparison) -> str:
     if comparison.complete:
         return f"Chance explains the rest ({times:.2f} × noise)"
     if comparison.worst is None:
-        return f"{times:.2f} × noise, and no axis shows where"
-    return f"{times:.2f} × noise, most along {axis_word(comparison.worst.axis)}"
+        return f"{in_floors(times)} × noise, and no axis shows where"
+    return f"{in_floors(times)} × noise, most along {axis_word(comparison.worst.axis)}"
 
 
 def bin_means(axes: Axes, split: Split, scale: Scale) -> None:
@@ -187,7 +188,7 @@ def head_of(split: Split, scale: Scale) -> str:
 def _head(axes: Axes, split: Split, scale: Scale, worst: bool) -> None:
     weight = "bold" if worst else "normal"
     axes.set_title(
-        f"{axis_word(split.axis)}: {of_excess(split)}",
+        f"{axis_tick(split.axis)}: {of_excess(split)}",  # beside a legend; its whole name is below
         color=WRONG if split.fails else BLACK,
         fontweight=weight,
     )

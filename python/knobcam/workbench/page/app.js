@@ -325,8 +325,11 @@ function drawAxes(brush, size, { x, y, title, colours, noise, bins, spectrum }) 
 function labelWithin(label, room, widthOf) {
   return widthOf(label) <= room ? label : label.slice(label.indexOf(", ") + 1).trim();
 }
+function tickWords(value) {
+  return number(value, 6).replace(/\.?0+e/, "e");
+}
 function ticksOf({ low, high, factor: factor2, log }, count) {
-  if (!log) return ticks(low * factor2, high * factor2, count).map((value) => [value / factor2, number(value, 6)]);
+  if (!log) return ticks(low * factor2, high * factor2, count).map((value) => [value / factor2, tickWords(value)]);
   const few = count / (high - low) >= 3 ? [1, 2, 5] : [1];
   const decades = Array.from({ length: Math.ceil(high) - Math.floor(low) + 1 }, (_, at) => 10 ** (Math.floor(low) + at));
   const shift = Math.log10(factor2);
@@ -629,7 +632,8 @@ function measured({ value, unit, text }, about2) {
   const shown2 = scale.factor === 1 ? text.replaceAll("-", "−") : number(value * scale.factor);
   return `${shown2} ${unbroken(scale.unit)}`;
 }
-function stretch({ low, high, unit, direction }, about2) {
+function stretch({ low, high, unit, direction, words: words4 }, about2) {
+  if (words4) return words4;
   const scale = scaleOf(unit, about2);
   const [from, to] = [low, high].map((end) => number(end * scale.factor, 4));
   return `${from} to ${to} ${unbroken(scale.unit)}${DIRECTIONS.get(direction) ?? ""}`;
@@ -1260,8 +1264,10 @@ function remainder(unexplained, about2) {
 // src/section.js
 var SIZE = { width: 260, height: 120 };
 var BINS = 96;
-var KINDS = { joint, gauge, bristles, hills, mass };
-function kindOf({ place: place4, friction, over }) {
+var FREE = 0.02;
+var KINDS = { joint, gap, gauge, bristles, fluid, hills, spring, weight, poles, stops, mass };
+function kindOf({ place: place4, friction, over, section }) {
+  if (section && section in KINDS) return section;
   if (place4 === "coupling") return "joint";
   if (place4 === "sensor") return "gauge";
   if (friction) return "bristles";
@@ -1269,9 +1275,15 @@ function kindOf({ place: place4, friction, over }) {
 }
 var SEEN2 = {
   joint: "what drives and what is moved, and the joint between them with what it carries",
+  gap: "what drives and what is moved, and the play between them: which side touches, and how hard",
   gauge: "the reading, and in grey what it would be without this",
   bristles: "two surfaces whose asperities bend like bristles as one slides over the other",
   hills: "the hills and valleys that this makes of the way, and where on it the readout is",
+  fluid: "what moves, and the fluid that holds it back: the longer its lines, the faster it goes",
+  spring: "a spring, drawn out and pressed together along the way, and the torque it gives",
+  weight: "a weight off the axis: what it pulls as it goes round",
+  poles: "magnets that pass poles, each pulled to the nearest",
+  stops: "the way, its ends, and what they push back with",
   mass: "the mass that has to be set going and stopped"
 };
 function drawSection(canvas, effect, motion, at, look) {
@@ -1396,6 +1408,105 @@ function joint(brush, { along, torque }, { ink, shade, colour }) {
   brush.strokeStyle = colour;
   const step = (knob2 - shaft - 30) / 10;
   line(brush, Array.from({ length: 11 }, (_, n) => [shaft + 30 + n * step, n % 10 === 0 ? 60 : n % 2 ? 48 : 72]));
+}
+function gap(brush, { along, torque, omega }, { ink, shade, colour }) {
+  const fork = 20 + 90 * along;
+  const side = Math.abs(torque) > FREE ? Math.sign(torque) : 0.6 * Math.sign(omega);
+  const tongue = fork + 40 + 12 * side;
+  brush.strokeStyle = ink;
+  brush.fillStyle = shade;
+  brush.beginPath();
+  for (const [x, y] of [[0, 100], [0, 20], [14, 20], [14, 84], [86, 84], [86, 20], [100, 20], [100, 100]]) brush.lineTo(fork + x, y);
+  brush.closePath();
+  brush.fill();
+  brush.stroke();
+  brush.fillRect(tongue, 10, 20, 62);
+  brush.strokeRect(tongue, 10, 20, 62);
+  if (Math.abs(torque) <= FREE) return;
+  brush.fillStyle = colour;
+  brush.fillRect(side > 0 ? tongue + 20 : tongue - 4, 30, 4, 12 + 28 * Math.abs(torque));
+}
+function fluid(brush, { along, omega, torque }, { ink, shade, colour }) {
+  const plate = 20 + 120 * along;
+  brush.fillStyle = shade;
+  brush.fillRect(0, 50, 230, 70);
+  brush.strokeStyle = colour;
+  for (let row = 0; row < 5; row++) {
+    const y = 60 + 12 * row;
+    const way = 70 * omega * (1 - row / 5);
+    line(brush, [[115, y], [115 + way, y]]);
+    line(brush, [[115 + way - 4 * Math.sign(way), y - 3], [115 + way, y], [115 + way - 4 * Math.sign(way), y + 3]]);
+  }
+  brush.fillStyle = shade;
+  brush.strokeStyle = ink;
+  brush.fillRect(plate, 24, 70, 24);
+  brush.strokeRect(plate, 24, 70, 24);
+  brush.strokeStyle = colour;
+  line(brush, [[plate + 35, 36], [plate + 35 + 30 * torque, 36]]);
+}
+function spring(brush, { along }, { ink, soft, shade, colour }) {
+  const end = 70 + 110 * along;
+  brush.strokeStyle = soft;
+  line(brush, [[6, 96], [226, 96]]);
+  brush.strokeStyle = ink;
+  line(brush, [[8, 20], [8, 96]]);
+  brush.strokeStyle = colour;
+  line(brush, Array.from({ length: 15 }, (_, n) => [8 + n * (end - 8) / 14, n % 14 === 0 ? 66 : n % 2 ? 50 : 82]));
+  brush.strokeStyle = ink;
+  brush.fillStyle = shade;
+  brush.fillRect(end, 38, 40, 56);
+  brush.strokeRect(end, 38, 40, 56);
+}
+function weight(brush, { theta, torque }, { ink, shade, colour }) {
+  brush.fillStyle = shade;
+  brush.strokeStyle = ink;
+  brush.beginPath();
+  brush.arc(115, 60, 44, 0, 2 * Math.PI);
+  brush.fill();
+  brush.stroke();
+  const [x, y] = [115 + 30 * Math.cos(theta), 60 - 30 * Math.sin(theta)];
+  line(brush, [[115, 60], [x, y]]);
+  brush.fillStyle = colour;
+  brush.beginPath();
+  brush.arc(x, y, 11, 0, 2 * Math.PI);
+  brush.fill();
+  brush.strokeStyle = colour;
+  brush.beginPath();
+  brush.arc(115, 60, 54, -Math.PI / 2, -Math.PI / 2 - 1.2 * torque, torque > 0);
+  brush.stroke();
+}
+function poles(brush, { along, torque }, { ink, soft, shade, colour }) {
+  const apart2 = 46;
+  brush.strokeStyle = ink;
+  brush.fillStyle = shade;
+  brush.fillRect(0, 100, 230, 20);
+  for (let x = 0; x < 230; x += apart2) {
+    brush.fillRect(x + 8, 74, 26, 26);
+    brush.strokeRect(x + 8, 74, 26, 26);
+  }
+  const moved = 3 * apart2 * along;
+  brush.fillStyle = colour;
+  brush.strokeStyle = soft;
+  for (let n = -3; n < 5; n++) {
+    const x = n * apart2 + moved;
+    const [left, right] = [Math.max(0, x), Math.min(230, x + 30)];
+    if (right > left) brush.fillRect(left, 28, right - left, 22);
+    if (x > 0 && x < 200) line(brush, [[x + 15, 52], [x + 15 + 14 * torque, 72]]);
+  }
+}
+function stops(brush, { along, torque }, { ink, shade, colour }) {
+  brush.strokeStyle = ink;
+  line(brush, [[6, 96], [226, 96]]);
+  brush.fillStyle = shade;
+  for (const x of [0, 214]) {
+    brush.fillRect(x, 20, 16, 76);
+    brush.strokeRect(x, 20, 16, 76);
+  }
+  const at = 18 + 154 * along;
+  brush.fillRect(at, 48, 40, 46);
+  brush.strokeRect(at, 48, 40, 46);
+  brush.strokeStyle = colour;
+  if (torque !== 0) line(brush, [[at + 20, 34], [at + 20 + 40 * torque, 34]]);
 }
 function gauge(brush, { level, bare }, { ink, soft, colour }) {
   brush.strokeStyle = soft;
@@ -2241,7 +2352,7 @@ function drawCurve(canvas, curve, about2, looked) {
   const drawn = laws.map((law) => law?.map((one) => one ?? NaN) ?? null);
   const [low, high] = limits([...edges, ...drawn.filter((law) => law !== null)].map((one) => Float32Array.from(one)), { around: 0 });
   const shown2 = curve.times ? { factor: 1, unit: "" } : torqueScale(about2);
-  const y = { low, high, factor: shown2.factor, label: `left over${curve.times ? ` / (${curve.times})` : `, ${shown2.unit}`}` };
+  const y = { low, high, factor: shown2.factor, label: `left over${curve.times ? ` / ${factorOf(curve.times)}` : `, ${shown2.unit}`}` };
   const names = { ink: "--ink", soft: "--soft", line: "--grid", band: "--band", wrong: "--wrong", law: "--signature", rest: "--measured" };
   const colours = Object.fromEntries(Object.entries(names).map(([name2, style]) => [name2, styleValue(style, canvas)]));
   const first = { low: x[0], high: x[x.length - 1], factor: 1, label: overWords(curve.over, about2) };
@@ -2295,6 +2406,9 @@ function overWords(over, about2) {
   if (!along) return over;
   const label = labelOf(along, about2);
   return inside === over ? label : `|${label.replace(", ", "|, ")}`;
+}
+function factorOf(times2) {
+  return times2 in ALONG ? variableOf(times2) : `(${times2})`;
 }
 function variableOf(variable) {
   const along = (
@@ -2481,7 +2595,7 @@ var Laws = class {
   }
   /** @param {Law} row @param {number} number */
   item({ label, law, variables, words: words4, doubt, fall, start }, number3) {
-    const of = `of ${variables.map(variableOf).join(", ")}`;
+    const of = `over ${variables.map(variableOf).join(", ")}`;
     const edit = make("button", {
       ...{ type: "button", text: "Edit…", "aria-label": `edit law ${number3}`, title: "as a formula of your own" },
       on: { click: () => edited(law, start) }
@@ -2852,7 +2966,7 @@ function drawCloud(image, { counts, full }, colour, strength) {
   const rise = (1 - strength) / Math.log(full);
   const weights = Float32Array.from({ length: full + 1 }, (_, n) => strength + rise * Math.log(Math.max(1, n)));
   const ground = image[0];
-  const alone = Uint32Array.from(weights, (weight) => mixed(ground, colour, weight));
+  const alone = Uint32Array.from(weights, (weight2) => mixed(ground, colour, weight2));
   for (let at = 0; at < counts.length; at++) {
     if (counts[at] === 0) continue;
     const many = counts[at] < full ? counts[at] : full;
@@ -5122,13 +5236,14 @@ function plainly({ ready, rows }, about2, to) {
     unsettled ? " to see what is left, not for its values; or " : ", and see what is left; or ",
     { words: "find everything", title: "add step by step all that is missing, sets of effects too", go: () => to.every() },
     " at once.",
-    ...equivalent.length > 0 ? tied(equivalent.map(lead), () => to.apart([effect, ...equivalent])) : []
+    ...equivalent.length > 0 ? tied(first.word === "part", equivalent.map(lead), () => to.apart([effect, ...equivalent])) : []
   ];
 }
-function tied(others, go) {
+function tied(part, others, go) {
   const tell = { words: "Tell apart", title: "design the motion that would tell", go };
-  const named2 = others.flatMap((one, at) => [...at > 0 ? [" or "] : [], one]);
-  return [" This motion looks the same with ", ...named2, ": once nothing else is missing, ", tell, " designs what to record next."];
+  const between3 = (at) => at === 0 ? [] : [at === others.length - 1 ? " or " : ", "];
+  const named2 = others.flatMap((one, at) => [...between3(at), one]);
+  return [part ? " Instead of it, or beside it, it could be " : " This motion looks the same with ", ...named2, ": once nothing else is missing, ", tell, " designs what to record next."];
 }
 
 // src/app.js
@@ -5439,10 +5554,10 @@ var App = class {
     const { state } = this;
     const { data } = this.linked;
     const node = state?.node;
-    const weighed = state?.candidates.rows.some((row) => row.effect === effect.effect);
     const added = async () => {
-      if (!state || !node || !weighed) return null;
-      return this.store.explained(node, state.active, effect.effect, { verb: "signature", asked: { effect: effect.effect } });
+      if (!state || !node || !state.candidates.rows.some((row) => row.effect === effect.effect)) return null;
+      const how = { verb: "signature", asked: { effect: effect.effect, own: "" } };
+      return this.store.explained(node, state.active, `${effect.effect} alone`, how);
     };
     about(effect, data && node ? { data, at: this.linked.torques[0].marked, added } : null);
   }
