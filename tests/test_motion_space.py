@@ -16,7 +16,7 @@ from knobcam.errors import InputError
 from knobcam.learn import motion_space as space
 from knobcam.learn.limits import Limits
 from knobcam.learn.motion_space import Piece, changed, plan, standard
-from knobcam.learn.telling import Telling
+from knobcam.learn.telling import Telling, Told
 
 LIMITS = Limits(0.1, 6.0, 80.0, -1.0, 2.0, duration_s=8.0, sample_rate_hz=1000.0)
 
@@ -210,7 +210,8 @@ def rival(
 
 
 def test_a_pair_is_told_apart_as_well_as_the_worse_way_but_for_what_contains_the_other():
-    told = np.array([[0.0, 9.0, 0.5], [4.0, 0.0, 20.0], [30.0, 7.0, 0.0]])
+    d = np.array([[0.0, 9.0, 0.5], [4.0, 0.0, 20.0], [30.0, 7.0, 0.0]])
+    told = Told(d, np.zeros(3))
     apart = Telling((rival(("offset",), 4), rival(("stribeck",), 4), rival(("offset", "stribeck"), 5)))
     apart.__dict__["leads"] = np.full((3, 3), math.nan)  # of captures that tell them
     assert apart.between(told, 0, 1) == 4.0 == apart.between(told, 1, 0)
@@ -221,7 +222,7 @@ def test_a_pair_is_told_apart_as_well_as_the_worse_way_but_for_what_contains_the
     rich = Telling((rival(("offset",), 4), rival(("stribeck",), 4), rival(("unbalance",), 5)))
     rich.__dict__["leads"] = np.full((3, 3), math.nan)
     assert rich.between(told, 0, 2) == 30.0 and rich.between(told, 1, 2) == 7.0
-    told[0, 2] = 3.1
+    d[0, 2] = 3.1
     assert rich.between(told, 0, 2) == 3.1
 
 

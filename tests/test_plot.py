@@ -17,7 +17,7 @@ import knobcam as kc
 from knobcam import plot
 from knobcam.model.typical import typical, with_typical
 from knobcam.show.plot.components import Samples, curve, curve_band, part_of
-from knobcam.show.words import axis_word
+from knobcam.show.words import axis_tick
 
 SLED_NOISE = kc.SensorNoise(tau_sd=0.5, omega_sd=1e-4, alpha_sd=1e-3)
 
@@ -244,7 +244,7 @@ def test_the_comparison_marks_the_failing_regions_and_frames_the_worst_axis(capt
     worst = comparison.worst
     assert worst is not None
     for split in comparison.splits:
-        axes = panel(figure, f"{axis_word(split.axis)}:")
+        axes = panel(figure, f"{axis_tick(split.axis)}:")
         framed = axes.spines["top"].get_visible()
         assert framed == (split is worst)
         assert bool(axes.patches) == split.fails

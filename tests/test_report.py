@@ -190,7 +190,7 @@ def test_beside_an_error_that_is_unexplained_no_report_says_that_nothing_is_unto
     )
     text = Page(report.html(story)).text
     assert rest not in text and vague_spring not in text
-    monkeypatch.setattr(report, "untold", lambda _: [])
+    monkeypatch.setattr(report, "untold_of_each", lambda _: {})
     monkeypatch.setattr(type(story.fit), "undetermined", {})
     nothing = "Nothing: what was weighed is told apart"
     assert not story.limitations and nothing in Page(report.html(story)).text

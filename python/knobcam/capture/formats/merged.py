@@ -54,11 +54,13 @@ def _slower(
     columns: dict[str, FloatArray], both: BoolArray
 ) -> tuple[dict[str, FloatArray], tuple[Finding, ...]]:
     """Return the rows that have an angle and a torque, where those come evenly and many have not."""
+    known = np.isfinite(columns["t"])
+    if np.sum(both) > _MOST * np.sum(known):
+        return columns, ()
     times = columns["t"][both]
     steps = np.diff(times)
-    known = np.isfinite(columns["t"])
-    even = np.abs(steps - np.median(steps)) < _UNEVEN * np.median(steps)
-    if np.sum(both) > _MOST * np.sum(known) or np.mean(even) < _EVENLY:
+    usual = np.median(steps)
+    if np.mean(np.abs(steps - usual) < _UNEVEN * usual) < _EVENLY:
         return columns, ()
     taken = {name: columns[name][both] for name in ("t", "tau")}
     for name in _MOTION:
