@@ -153,7 +153,10 @@ CALLS: dict[str, tuple[list[str], list[str]]] = {
     "no duration": (["simulate", "knob3", "--duration", "0", "-o", "c.npz"], ["duration=0"]),
     "negative duration": (["simulate", "knob3", "--duration", "-6", "-o", "c.npz"], ["duration=-6"]),
     "endless duration": (["simulate", "knob3", "--duration", "inf", "-o", "c.npz"], ["duration=inf"]),
-    "duration of nan": (["simulate", "knob3", "--duration", "nan", "-o", "c.npz"], ["duration_s: is NaN"]),
+    "duration of nan": (
+        ["simulate", "knob3", "--duration", "nan", "-o", "c.npz"],
+        ["--duration", "'nan' is no number"],
+    ),
     "a duration of years": (["simulate", "knob3", "--duration", "1e9", "-o", "c.npz"], ["duration=1", "1e8"]),
     "negative simulated rate": (["simulate", "knob3", "--rate", "-5", "-o", "c.npz"], ["rate"]),
     "both negative": (["simulate", "knob3", "--rate", "-5000", "--duration", "-6", "-o", "c.npz"], ["rate"]),

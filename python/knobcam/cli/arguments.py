@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import math
 import re
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -327,10 +329,10 @@ def folder(text: str) -> Path:
 
 def number(text: str) -> float:
     """Return a number for argparse, which names the option when there is none."""
-    try:
-        return float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is no number") from None
+    with suppress(ValueError):
+        if not math.isnan(value := float(text)):
+            return value
+    raise argparse.ArgumentTypeError(f"{text!r} is no number")
 
 
 def stretch(text: str) -> tuple[float, float]:

@@ -73,7 +73,10 @@ def register(commands: arguments.Commands) -> None:
     parser.add_argument("--model", metavar="MODEL", help="to start from; default the base")
     parser.add_argument("--report", type=Path, metavar="FILE.html", help="report to write, in one file")
     parser.add_argument(
-        "--budget-s", type=float, metavar="SECONDS", help="time for the search, which is then cut short"
+        "--budget-s",
+        type=arguments.number,
+        metavar="SECONDS",
+        help="time for the search, which is then cut short",
     )
     parser.add_argument(
         "--propose", action="store_true", help="laws for what no effect explains, from a grammar of mechanics"
