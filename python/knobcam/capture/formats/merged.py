@@ -35,19 +35,24 @@ def at_one_time(columns: dict[str, FloatArray]) -> tuple[dict[str, FloatArray], 
     if np.sum(both) > _TOGETHER * fewer:
         return _slower(columns, both)
     at = t & tau
-    times = columns["t"][at]
-    taken = {"t": times, "tau": columns["tau"][at]}
-    for name in _MOTION:
-        if name in columns:
-            taken[name] = _between(times, columns["t"][t], columns[name][t])
+    taken = _rows(columns, at, t)
     found = said(
         "{theta}: stands in other rows than {tau}, as where signals of times of their own are merged; taken "
         "between its readings, at the {count} times of {tau}",
         theta=OfColumn("theta"),
         tau=OfColumn("tau"),
-        count=len(times),
+        count=len(taken["t"]),
     )
-    return taken, (Finding("merged", "theta", len(times), (), found, "mended"),)
+    return taken, (Finding("merged", "theta", len(taken["t"]), (), found, "mended"),)
+
+
+def _rows(columns: dict[str, FloatArray], at: BoolArray, known: BoolArray) -> dict[str, FloatArray]:
+    """Return the rows `at` which a torque stands, with the motion there; `known` are those with a time."""
+    taken = {name: columns[name][at] for name in ("t", "tau")}
+    for name in _MOTION:
+        if name in columns:
+            taken[name] = _between(taken["t"], columns["t"][known], columns[name][known])
+    return taken
 
 
 def _slower(
@@ -62,10 +67,7 @@ def _slower(
     usual = np.median(steps)
     if np.mean(np.abs(steps - usual) < _UNEVEN * usual) < _EVENLY:
         return columns, ()
-    taken = {name: columns[name][both] for name in ("t", "tau")}
-    for name in _MOTION:
-        if name in columns:
-            taken[name] = _between(times, columns["t"][known], columns[name][known])
+    taken = _rows(columns, both, known)
     found = said(
         "{theta}: stands in {count} of {rows} rows beside {tau}, as where signals are read at rates of their "
         "own; these rows are taken",
