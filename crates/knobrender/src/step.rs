@@ -268,7 +268,7 @@ impl Renderer {
             let shaft = self.model.shaft_load(&self.p, &mut self.state.memory, &motion).drive;
             Sliding { torque: torque + shaft, inertia: hidden.shafts }
         } else {
-            self.rubbed(motion, by, hand, known)
+            self.rubbed(&motion, by, hand, known)
         };
         let [inertia, damping] = self.tuning.own;
         let tau = asked.torque + (asked.inertia + inertia) * felt + damping * omega;
@@ -284,10 +284,16 @@ impl Renderer {
 
     /// The torque of a knob on a rigid shaft, with dry friction between sticking and sliding.
     #[inline(always)]
-    fn rubbed(&mut self, motion: Motion<f64>, by: f64, hand: Option<f64>, known: Option<Sliding>) -> Sliding {
+    fn rubbed(
+        &mut self,
+        motion: &Motion<f64>,
+        by: f64,
+        hand: Option<f64>,
+        known: Option<Sliding>,
+    ) -> Sliding {
         let (model, p, own) = (&self.model, &self.p, self.own);
         let state = &mut self.state;
-        let still = at_rest(&motion);
+        let still = at_rest(motion);
         // Looks, and remembers nothing.
         let mut look = |memory: &[f64], motion: &Motion<f64>| {
             self.spare.copy_from_slice(memory);
@@ -301,11 +307,11 @@ impl Renderer {
             }
             let rest = if self.guarded { Some(look(&state.memory, &still).drive) } else { None };
             let mut load = Load::none();
-            add_loads(model, p, own, &mut state.memory, &motion, &mut load);
-            return sliding(&load, rest, &motion);
+            add_loads(model, p, own, &mut state.memory, motion, &mut load);
+            return sliding(&load, rest, motion);
         }
         let mut load = |motion: &Motion<f64>| look(&state.memory, motion);
-        let ways = [Motion { forward: 0.0, ..motion }, Motion { forward: 1.0, ..motion }];
+        let ways = [Motion { forward: 0.0, ..*motion }, Motion { forward: 1.0, ..*motion }];
         let [back, forth] = ways.map(|way| load(&way));
         let rest = if self.guarded { Some(load(&still).drive) } else { None };
         let drives = [(back, ways[0]), (forth, ways[1])].map(|(load, way)| {
@@ -332,7 +338,7 @@ impl Renderer {
         let (friction, strain) = state.contact.answer(&self.tuning, &Budget { slide, hold }, moved, other);
         // The effects that remember see the sample once, and go the way that the knob is strained.
         if own || !state.memory.is_empty() {
-            add_loads(model, p, own, &mut state.memory, &motion, &mut Load::none());
+            add_loads(model, p, own, &mut state.memory, motion, &mut Load::none());
         }
         let torque = if state.contact.slipping && strain.abs() == 1.0 {
             let (drive, load, way) =
