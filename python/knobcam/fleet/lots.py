@@ -216,35 +216,76 @@ def gains(table: Any, units: dict[str, str], found: Sequence[Shift]) -> list[Gai
 
     It is so where three parameters or more are in proportion to the torque and differ by no more than chance
     from one factor, which itself is beyond chance, and what is not in proportion to it did not move.
+    Parameters of a part hang together, and how is not known well of few parts: so the factor is the best for
+    their covariance, and what they differ from it by has Hotelling's (1931) distribution.
     """
-    stats = require("scipy.stats", "comparing stations", "fleet")
     said = []
     for by, name in sorted({(one.by, one.name) for one in found}):
-        mine = table[by] == name
-        ratios, errors = [], []
-        for parameter, unit in units.items():
-            a, b = (usual(table.loc[some, parameter].to_numpy(dtype=float)) for some in (mine, ~mine))
-            if "N" not in unit.split() or min(len(a), len(b)) < FEWEST or not np.mean(a) * np.mean(b) > 0.0:
-                continue
-            ratios.append(math.log(np.mean(a) / np.mean(b)))
-            errors.append(
-                math.hypot(*(float(np.std(x, ddof=1)) / abs(np.mean(x)) / math.sqrt(len(x)) for x in (a, b)))
-            )
-        others = [
-            one
-            for one in found
-            if (one.by, one.name) == (by, name) and "N" not in units[one.parameter].split()
-        ]
-        if len(ratios) < 3 or others or not min(errors) > 0.0:
+        own = [one.parameter for one in found if (one.by, one.name) == (by, name)]
+        if any("N" not in units[one].split() for one in own):
             continue
-        weight = np.array(errors) ** -2
-        factor, error = float(np.sum(weight * ratios) / np.sum(weight)), float(np.sum(weight)) ** -0.5
-        spread = float(np.sum(weight * (np.array(ratios) - factor) ** 2))
-        known = sum(abs(one) > 2.0 * e for one, e in zip(ratios, errors, strict=True))
-        if known >= 2 and stats.chi2.sf(spread, len(ratios) - 1) > LEVEL and abs(factor) > 3.0 * error:
-            low, mid, high = (100.0 * math.expm1(factor + k * error) for k in (-Z95, 0.0, Z95))
-            said.append(Gain(by, name, mid, (low, high)))
+        mine = (table[by] == name).to_numpy(dtype=bool)
+        torques = [one for one, unit in units.items() if "N" in unit.split()]
+        gain = _factor(*_alike(table[torques].to_numpy(dtype=float), mine))
+        if gain is not None:
+            said.append(Gain(by, name, *gain))
     return said
+
+
+def _alike(values: FloatArray, mine: BoolArray) -> tuple[FloatArray, FloatArray]:
+    """Return usual values of two groups of parts, a row each, of what they can be held against each other by.
+
+    What most parts do not determine, or what changes its sign from one to the other, tells of no factor.
+    """
+    columns = []
+    for column in values.T:
+        groups = [column[some & np.isfinite(column)] for some in (mine, ~mine)]
+        told = all(
+            len(some) >= max(FEWEST, 0.5 * np.sum(of)) for some, of in zip(groups, (mine, ~mine), strict=True)
+        )
+        if told and np.mean(groups[0]) * np.mean(groups[1]) > 0.0:
+            columns.append(column)
+    if not columns:
+        return np.empty((0, 0)), np.empty((0, 0))
+    every = np.stack(columns, axis=1)
+    groups = []
+    for some in (every[mine], every[~mine]):
+        some = some[np.all(np.isfinite(some), axis=1)]
+        far = (
+            [np.abs(deviations(column, np.zeros(len(column)))) for column in some.T]
+            if len(some) >= FEWEST
+            else []
+        )
+        groups.append(some[np.all(np.array(far).T < _USUAL, axis=1)] if far else some)
+    return groups[0], groups[1]
+
+
+def _factor(mine: FloatArray, others: FloatArray) -> tuple[float, tuple[float, float]] | None:
+    """Return the factor between two groups of parts, per cent, and its interval; None where it is not one."""
+    fewest, parameters = min(len(mine), len(others)), mine.shape[1]
+    free = len(mine) + len(others) - 2
+    if parameters < 3 or fewest < FEWEST or free < parameters:
+        return None
+    means = [np.mean(group, axis=0) for group in (mine, others)]
+    shares = [group / mean - 1.0 for group, mean in zip((mine, others), means, strict=True)]
+    spread = sum(share.T @ share for share in shares) / free * (1.0 / len(mine) + 1.0 / len(others))
+    ratios = np.log(means[0] / means[1])
+    known = int(np.sum(np.abs(ratios) > 2.0 * np.sqrt(np.diag(spread))))
+    try:
+        weight = np.linalg.solve(spread, np.ones(parameters))
+        error = float(np.sum(weight)) ** -0.5
+        factor = float(weight @ ratios) * error**2
+        apart = ratios - factor
+        squares = float(apart @ np.linalg.solve(spread, apart))
+    except np.linalg.LinAlgError:  # a parameter that is the same in all parts
+        return None
+    f = require("scipy.stats", "comparing stations", "fleet").f
+    many = parameters - 1
+    chance = float(f.sf(squares * (free - many + 1) / (free * many), many, free - many + 1))
+    if known < 2 or chance <= LEVEL or not abs(factor) > 3.0 * error:
+        return None
+    low, mid, high = (100.0 * math.expm1(factor + k * error) for k in (-Z95, 0.0, Z95))
+    return mid, (low, high)
 
 
 class More(NamedTuple):
