@@ -21,9 +21,9 @@ REACH = 8
 CLEAR = 8.0
 """Noise deviations beyond which a step is not what its neighbours let expect: one in 1e15 by chance."""
 
-_MOST_LOST = (
-    20  # rows at one place, beyond which the speed before says too little about where the angle would be
-)
+MOST_LOST = 50
+"""Rows at one place, beyond which the speed says too little about where the angle would be."""
+
 _BESIDE = 3  # steps to either side of some that are off, which make up for them where they can
 _ASYNCHRONOUS = 0.5  # rows that repeat and do not catch up, to each that seems lost
 _WHOLE = 0.15  # a step of lost rows is a whole number of steps, to this share of one
@@ -33,12 +33,14 @@ _WHOLE = 0.15  # a step of lost rows is a whole number of steps, to this share o
 class Steady:
     """Steps of an angle, shape (steps,), and those that its neighbours let expect, to this noise.
 
-    `clear` are those that are clearly other ones; into a `stale` row, which repeats the one before, the angle
-    made none; `long` are those of the clear ones that may have lost rows.
+    `doubt` is by how much those on either side let expect another one than both together. `clear` are those
+    that are clearly other ones; into a `stale` row, which repeats the one before, the angle made none; `long`
+    are those of the clear ones that may have lost rows.
     """
 
     step: FloatArray
     expected: FloatArray
+    doubt: FloatArray
     noise: float
     long: BoolArray
     clear: BoolArray
@@ -135,8 +137,9 @@ def _lost(steps: Steady, clear: BoolArray) -> NDArray[np.int64]:
     expected = steps.expected
     many = np.where(clear, steps.step, expected) / np.where(expected == 0.0, 1.0, expected)
     whole = np.rint(many)
-    near = np.abs(many - whole) * np.abs(expected) < 0.5 * CLEAR * steps.noise + _WHOLE * np.abs(expected)
-    lost = np.where(clear & near & (whole >= 2.0) & (whole <= _MOST_LOST + 1.0), whole - 1.0, 0.0)
+    most = 0.5 * CLEAR * steps.noise + _WHOLE * np.abs(expected) + whole * steps.doubt
+    near = np.abs(many - whole) * np.abs(expected) < most
+    lost = np.where(clear & near & (whole >= 2.0) & (whole <= MOST_LOST + 1.0), whole - 1.0, 0.0)
     return lost.astype(np.int64)
 
 
@@ -155,8 +158,9 @@ def _by_groups(steps: Steady) -> tuple[NDArray[np.int64], BoolArray]:
             continue
         ahead = np.cumsum(off[around]) / usual
         whole = round(ahead[-1])
-        near = abs(ahead[-1] - whole) < 0.5 * CLEAR * steps.noise / abs(usual) + _WHOLE * len(group)
-        if near and 0 < whole <= _MOST_LOST:
+        doubt = (0.5 * CLEAR * steps.noise + abs(whole) * float(steps.doubt[group].max())) / abs(usual)
+        near = abs(ahead[-1] - whole) < doubt + _WHOLE * len(group)
+        if near and 0 < whole <= MOST_LOST:
             lost[group[np.argmax(np.abs(steps.step[group]))]] = whole
         elif near and whole < 0 and -whole <= stale[group].sum():
             lost[group[stale[group]][whole:]] = -1

@@ -78,12 +78,13 @@ def check_steps(
         index = index[~missed.bad[index]]
     step = np.diff(theta[index])
     least = _count(step)
-    expected, spread = _expected(step, np.diff(t[index]), least)
+    expected, doubt, spread = _expected(step, np.diff(t[index]), least)
     noise = max(spread, 0.5 * least)
     off = np.abs(step - expected)
     # An angle in counts is off by one at most, and a step that is expected by another quarter.
     short = off > (_COUNTS * least if spread < 0.5 * least else CLEAR * noise)
-    clear = (np.abs(expected) > CLEAR * noise) & (off > np.maximum(CLEAR * noise, 0.5 * np.abs(expected)))
+    moves, far = 0.5 * CLEAR * noise, np.maximum(CLEAR * noise, 0.5 * np.abs(expected))
+    clear = (np.abs(expected) > moves) & (off > far)
 
     stale = _stale(columns, index, step, least, short & (off > 0.5 * np.abs(expected)))
     if not (stale.any() or bad["spike"].any() or (off > CLEAR * noise).any()):  # nothing of what follows
@@ -146,7 +147,7 @@ def check_steps(
     # What a repeated row held back comes with the next one.
     follows = np.concatenate(([False], (stale | np.concatenate((spike, [False])))[:-1]))
     kept = ~follows & (np.diff(t[index]) < 1.5 / rate_hz)  # else the clock says so itself
-    asked = check_asked(Steady(step, expected, noise, clear & kept, clear, stale), rows, index)
+    asked = check_asked(Steady(step, expected, doubt, noise, clear & kept, clear, stale), rows, index)
     bad["asked"][index[1:][asked.amiss]] = True
     findings += asked.findings
     if asked.findings and asked.findings[0].key not in overruled:
@@ -250,8 +251,8 @@ def _register(t: FloatArray, theta: FloatArray, jump: FloatArray) -> tuple[BoolA
     return wraps, size
 
 
-def _expected(step: FloatArray, dt: FloatArray, least: float) -> tuple[FloatArray, float]:
-    """The step into each row that its neighbours let expect, and how far steps usually are from it.
+def _expected(step: FloatArray, dt: FloatArray, least: float) -> tuple[FloatArray, FloatArray, float]:
+    """The step into each row that its neighbours let expect, its doubt, and how far steps are from it.
 
     By the speed of a few of them; where the step is another, by the median speeds of those before and after,
     and where these two are not nearly the same, nothing is expected: zero. Stamps that jitter say little
@@ -273,10 +274,12 @@ def _expected(step: FloatArray, dt: FloatArray, least: float) -> tuple[FloatArra
     before, after = (medians(side) for side in sides)
     steady = (before * after > 0.0) & (np.abs(before - after) < np.abs(before + after) / 3.0)
     speed = np.where(steady, 0.5 * (before + after), 0.0)
+    doubt = np.zeros(count)
+    doubt[doubtful] = np.where(steady, 0.5 * np.abs(before - after), 0.0) * usual
     own, even = speed * dt[doubtful], speed * usual
     nearer = np.abs(step[doubtful] - own) < np.abs(step[doubtful] - even)
     expected[doubtful] = np.where(nearer, own, even)
-    return expected, spread
+    return expected, doubt, spread
 
 
 def _count(step: FloatArray) -> float:
