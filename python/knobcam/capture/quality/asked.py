@@ -24,8 +24,10 @@ CLEAR = 8.0
 MOST_LOST = 50
 """Rows at one place, beyond which the speed says too little about where the angle would be."""
 
+_FAR = 4.0  # steps, further than which none is too long by what those beside it are too short
 _BESIDE = 3  # steps to either side of some that are off, which make up for them where they can
 _ASYNCHRONOUS = 0.5  # rows that repeat and do not catch up, to each that seems lost
+_SPEED = 0.05  # of the speed, by which it may be another one while rows are lost
 _WHOLE = 0.15  # a step of lost rows is a whole number of steps, to this share of one
 
 
@@ -75,7 +77,9 @@ def check_asked(steps: Steady, rows: Rows, index: NDArray[np.intp]) -> Asked:
     off = steps.off()
     # An angle that was read late makes one step longer, and the one before or after it shorter.
     ordinary = np.abs(off) < np.maximum(0.25 * np.abs(steps.expected), 0.5 * CLEAR * steps.noise)
-    alone = np.append(ordinary[1:], True) & np.append(True, ordinary[:-1])
+    far = np.abs(off) > _FAR * np.abs(steps.expected)
+    ordinary |= far & steps.long
+    alone = far | (np.append(ordinary[1:], True) & np.append(True, ordinary[:-1]))
     lost, amiss = _lost(steps, steps.long & ~steps.stale & alone), np.zeros(len(off), dtype=np.bool_)
     net = np.convolve(off, np.ones(2 * REACH + 1), "same")
     lost[_caught_up(net, lost * steps.expected)] = 0
@@ -137,7 +141,8 @@ def _lost(steps: Steady, clear: BoolArray) -> NDArray[np.int64]:
     expected = steps.expected
     many = np.where(clear, steps.step, expected) / np.where(expected == 0.0, 1.0, expected)
     whole = np.rint(many)
-    most = 0.5 * CLEAR * steps.noise + _WHOLE * np.abs(expected) + whole * steps.doubt
+    doubt = whole * np.maximum(steps.doubt, _SPEED * np.abs(expected))
+    most = 0.5 * CLEAR * steps.noise + _WHOLE * np.abs(expected) + doubt
     near = np.abs(many - whole) * np.abs(expected) < most
     lost = np.where(clear & near & (whole >= 2.0) & (whole <= MOST_LOST + 1.0), whole - 1.0, 0.0)
     return lost.astype(np.int64)

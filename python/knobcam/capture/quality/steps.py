@@ -15,7 +15,7 @@ from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import Coordinate
 from .asked import CLEAR, REACH, Steady, check_asked
 from .missed import check_missed
-from .order import medians, quantile
+from .order import deviation, medians, quantile
 from .wild import wild
 
 _AWAY = 100  # rows for which an angle can be away
@@ -27,6 +27,8 @@ _COUNTS = 1.5  # of an encoder, beyond which a step is not what its neighbours l
 _FAST = 1.25  # counts a row, from which each row has another
 _THROUGH = 0.8  # of its range, that an angle leaps through where a register wraps
 _LEAPS = 2  # through all of it, that tell how wide the register is
+_SPAN = 10  # rows, over which the way that a velocity tells of is compared with the angle
+_OTHER = 0.2  # of the angle's way, that is left beside that of a velocity that is another one
 _FEW = 3  # rows that repeat, fewer than which tell nothing unless the angle itself does
 
 
@@ -80,11 +82,17 @@ def check_steps(
     least = _count(step)
     expected, doubt, spread = _expected(step, np.diff(t[index]), least)
     noise = max(spread, 0.5 * least)
+    sure = np.abs(expected) > 0.5 * CLEAR * noise
+    if (told := _by_velocity(columns, theta, index, rate_hz)) is not None:
+        # Where the angle itself is too slow to say so, or turns.
+        way, error = told
+        better = ~sure & (np.abs(way) > CLEAR * error)
+        expected, doubt = np.where(better, way, expected), np.where(better, error, doubt)
+        sure |= better
     off = np.abs(step - expected)
     # An angle in counts is off by one at most, and a step that is expected by another quarter.
     short = off > (_COUNTS * least if spread < 0.5 * least else CLEAR * noise)
-    moves, far = 0.5 * CLEAR * noise, np.maximum(CLEAR * noise, 0.5 * np.abs(expected))
-    clear = (np.abs(expected) > moves) & (off > far)
+    clear = sure & (off > np.maximum(CLEAR * noise, 0.5 * np.abs(expected)))
 
     stale = _stale(columns, index, step, least, short & (off > 0.5 * np.abs(expected)))
     if not (stale.any() or bad["spike"].any() or (off > CLEAR * noise).any()):  # nothing of what follows
@@ -280,6 +288,24 @@ def _expected(step: FloatArray, dt: FloatArray, least: float) -> tuple[FloatArra
     nearer = np.abs(step[doubtful] - own) < np.abs(step[doubtful] - even)
     expected[doubtful] = np.where(nearer, own, even)
     return expected, doubt, spread
+
+
+def _by_velocity(
+    columns: dict[str, FloatArray], theta: FloatArray, index: NDArray[np.intp], rate_hz: float
+) -> tuple[FloatArray, float] | None:
+    """The step into each row that a measured velocity lets expect, and its noise; None of any other one."""
+    if "omega" not in columns:
+        return None
+    omega, angle = columns["omega"][index], theta[index]
+    way = 0.5 * (omega[1:] + omega[:-1]) / rate_hz
+    told = np.append(0.0, np.cumsum(way))
+
+    def goes(values: FloatArray) -> float:
+        return quantile(np.abs(values[_SPAN:] - values[:-_SPAN]), 0.5)
+
+    if not goes(angle - told) < _OTHER * goes(angle):
+        return None
+    return way, deviation(np.abs(np.diff(omega, 2))) / math.sqrt(6.0) / rate_hz
 
 
 def _count(step: FloatArray) -> float:
