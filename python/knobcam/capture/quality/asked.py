@@ -21,10 +21,12 @@ REACH = 8
 CLEAR = 8.0
 """Noise deviations beyond which a step is not what its neighbours let expect: one in 1e15 by chance."""
 
+FAR = 4.0
+"""Steps, further than which none is too long by what those beside it are too short."""
+
 MOST_LOST = 50
 """Rows at one place, beyond which the speed says too little about where the angle would be."""
 
-_FAR = 4.0  # steps, further than which none is too long by what those beside it are too short
 _BESIDE = 3  # steps to either side of some that are off, which make up for them where they can
 _ASYNCHRONOUS = 0.5  # rows that repeat and do not catch up, to each that seems lost
 _SPEED = 0.05  # of the speed, by which it may be another one while rows are lost
@@ -77,7 +79,7 @@ def check_asked(steps: Steady, rows: Rows, index: NDArray[np.intp]) -> Asked:
     off = steps.off()
     # An angle that was read late makes one step longer, and the one before or after it shorter.
     ordinary = np.abs(off) < np.maximum(0.25 * np.abs(steps.expected), 0.5 * CLEAR * steps.noise)
-    far = np.abs(off) > _FAR * np.abs(steps.expected)
+    far = np.abs(off) > FAR * np.abs(steps.expected)
     ordinary |= far & steps.long
     alone = far | (np.append(ordinary[1:], True) & np.append(True, ordinary[:-1]))
     lost, amiss = _lost(steps, steps.long & ~steps.stale & alone), np.zeros(len(off), dtype=np.bool_)
@@ -141,7 +143,8 @@ def _lost(steps: Steady, clear: BoolArray) -> NDArray[np.int64]:
     expected = steps.expected
     many = np.where(clear, steps.step, expected) / np.where(expected == 0.0, 1.0, expected)
     whole = np.rint(many)
-    doubt = whole * np.maximum(steps.doubt, _SPEED * np.abs(expected))
+    # Over a few rows the speed is what it was; over many it may have been another one.
+    doubt = whole * np.where(whole >= REACH, np.maximum(steps.doubt, _SPEED * np.abs(expected)), 0.0)
     most = 0.5 * CLEAR * steps.noise + _WHOLE * np.abs(expected) + doubt
     near = np.abs(many - whole) * np.abs(expected) < most
     lost = np.where(clear & near & (whole >= 2.0) & (whole <= MOST_LOST + 1.0), whole - 1.0, 0.0)
@@ -163,8 +166,7 @@ def _by_groups(steps: Steady) -> tuple[NDArray[np.int64], BoolArray]:
             continue
         ahead = np.cumsum(off[around]) / usual
         whole = round(ahead[-1])
-        doubt = (0.5 * CLEAR * steps.noise + abs(whole) * float(steps.doubt[group].max())) / abs(usual)
-        near = abs(ahead[-1] - whole) < doubt + _WHOLE * len(group)
+        near = abs(ahead[-1] - whole) < 0.5 * CLEAR * steps.noise / abs(usual) + _WHOLE * len(group)
         if near and 0 < whole <= MOST_LOST:
             lost[group[np.argmax(np.abs(steps.step[group]))]] = whole
         elif near and whole < 0 and -whole <= stale[group].sum():

@@ -12,7 +12,7 @@ import numpy as np
 from ...base.arrays import BoolArray, FloatArray, IntArray, groups
 from ...base.said import said
 from ..finding import Finding, Rows, rows_in_words, spans
-from .asked import MOST_LOST
+from .asked import MOST_LOST, REACH
 from .order import deviation, quantile
 from .stands import Leap, holes, together
 
@@ -299,6 +299,6 @@ def _rows_ahead(theta: FloatArray, leap: Leap, reach: int, unsure: float) -> boo
     if step == 0.0 or leap.size / step < 0.5:
         return False
     many = leap.size / step
-    doubt = many * abs(sides[1] - sides[0]) / (2.0 * abs(step))
+    doubt = many * abs(sides[1] - sides[0]) / (2.0 * abs(step)) if many >= REACH else 0.0
     off = abs(many - round(many))
     return bool(round(many) <= MOST_LOST and off < max(_STEPS, 0.3 * unsure / abs(step), doubt))

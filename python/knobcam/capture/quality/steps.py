@@ -13,9 +13,9 @@ from ...base.arrays import BoolArray, FloatArray, groups
 from ...base.said import Advice, said
 from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import Coordinate
-from .asked import CLEAR, REACH, Steady, check_asked
+from .asked import CLEAR, FAR, REACH, Steady, check_asked
 from .missed import check_missed
-from .order import deviation, medians, quantile
+from .order import medians, quantile
 from .wild import wild
 
 _AWAY = 100  # rows for which an angle can be away
@@ -84,9 +84,10 @@ def check_steps(
     noise = max(spread, 0.5 * least)
     sure = np.abs(expected) > 0.5 * CLEAR * noise
     if (told := _by_velocity(columns, theta, index, rate_hz)) is not None:
-        # Where the angle itself is too slow to say so, or turns.
+        # Of a leap where the angle itself is too slow to say so, or turns; a velocity may be late.
         way, error = told
-        better = ~sure & (np.abs(way) > CLEAR * error)
+        leaps = np.abs(step - way) > np.maximum(CLEAR * noise, FAR * np.abs(way))
+        better = ~sure & leaps & (np.abs(way) > 0.5 * CLEAR * error)
         expected, doubt = np.where(better, way, expected), np.where(better, error, doubt)
         sure |= better
     off = np.abs(step - expected)
@@ -298,14 +299,12 @@ def _by_velocity(
         return None
     omega, angle = columns["omega"][index], theta[index]
     way = 0.5 * (omega[1:] + omega[:-1]) / rate_hz
-    told = np.append(0.0, np.cumsum(way))
-
-    def goes(values: FloatArray) -> float:
-        return quantile(np.abs(values[_SPAN:] - values[:-_SPAN]), 0.5)
-
-    if not goes(angle - told) < _OTHER * goes(angle):
+    rest = angle - np.append(0.0, np.cumsum(way))
+    went, off = (np.abs(values[_SPAN:] - values[:-_SPAN]) for values in (angle, rest))
+    if not quantile(off, 0.5) < _OTHER * quantile(went, 0.5):
         return None
-    return way, deviation(np.abs(np.diff(omega, 2))) / math.sqrt(6.0) / rate_hz
+    # A velocity that is late, or filtered, is off by as much as that makes of the way.
+    return way, quantile(off, 0.5) / 0.6745 / _SPAN
 
 
 def _count(step: FloatArray) -> float:
