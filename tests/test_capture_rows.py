@@ -100,6 +100,33 @@ def test_rows_that_are_lost_while_the_clock_counts_on_are_found_and_the_times_mo
     np.testing.assert_allclose(capture.t, kept["t"], atol=1e-9)
 
 
+def test_a_third_of_the_rows_that_is_lost_by_a_pause_in_every_fifty_is_found() -> None:
+    """A program that prints every 50 rows, for 40 ms: the velocity was "0.70 times d theta/dt".
+
+    So many steps in one are no whole number of those beside it where the speed is another one behind; some
+    were "counts that an encoder missed". Where the motion turns, its velocity says how far a row goes.
+    """
+    rng, t = np.random.default_rng(5), np.arange(N) / 500.0
+    swings = [(0.5, 0.63), (0.1, 2.3)]
+    theta = sum(size * np.sin(rate * t) for size, rate in swings)
+    omega = sum(size * rate * np.cos(rate * t) for size, rate in swings)
+    pause = rng.integers(17, 23, N // 50)
+    ends = np.cumsum(50 + pause)
+    gone = np.concatenate([np.arange(end - many, end) for end, many in zip(ends, pause, strict=True)])
+    gone = gone[gone < N]
+    kept = np.setdiff1d(np.arange(N), gone)
+    found = Capture.from_arrays(
+        t=t[: len(kept)],
+        theta=(theta + ANGLE_NOISE_RAD * rng.standard_normal(N))[kept],
+        omega=(omega + 1e-3 * rng.standard_normal(N))[kept],
+        tau=(np.sign(omega) + 0.1 * rng.standard_normal(N))[kept],
+    )
+    (lost,) = found.findings
+    assert lost.kind == "lost" and 0.95 < lost.count / len(gone) < 1.0
+    assert found.t[-1] == pytest.approx(t[kept[-1]], rel=0.01)
+    assert found.omega is not None
+
+
 def test_rows_that_the_clock_says_are_missing_are_a_gap_alone() -> None:
     columns = motion()
     gone = fast(columns, 3)

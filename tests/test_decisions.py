@@ -251,6 +251,11 @@ def test_what_a_motion_does_not_show_is_told_from_its_speeds(monkeypatch):
         assert kinds(np.where(wave > 0.0, wave, share * wave)) == told or share < limitations._MOVING
     said = limitations._directions(moving(-np.abs(wave) - 0.1), -np.abs(wave) - 0.1)[1]
     assert said is not None and "backward only" in said.message and "friction forward" in said.message
+    # Of a motion that turns so often that hardly a row counts it is not said that it goes one way.
+    often = moving(wave)
+    often.prepared[0].used = wave > 0.5
+    (both,) = [one for one in limitations._directions(often, wave[wave > 0.5]) if one is not None]
+    assert both.message.startswith("what counts of the motion is forward only") and "faster" in both.record
     # Below a fiftieth of the fastest a sign means nothing.
     assert limitations._reversals(np.array([1.0, 0.01, -0.01, 1.0, -1.0, 0.0, -1.0, 1.0]), 0.02) == 2
     assert limitations._slowness(moving(wave), wave) is None

@@ -332,6 +332,10 @@ def test_the_letters_of_a_slide_are_asked_for_as_such(tmp_path: Path) -> None:
     with pytest.raises(InputError) as asked:
         kc.load(path)
     assert "t=t, theta=x [m], omega=v [m/s], alpha=a [m/s^2], tau=F [N]" in str(asked.value)
+    # Those of a control loop: what was asked for is no angle, and what was put in no velocity.
+    with pytest.raises(InputError, match=r"t=t, theta=y, tau=u. .tau: in N m, or u .A."):
+        kc.load(log(tmp_path, "t,r,y,u", T, np.round(THETA), THETA, TAU))
+    assert not read_label("commanded_deg_s").measured and read_label("feedback_deg_s").measured
 
 
 def test_a_clock_that_no_name_tells_is_in_the_map_that_is_shown(tmp_path: Path) -> None:

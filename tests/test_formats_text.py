@@ -101,6 +101,17 @@ def test_a_short_row_is_named(tmp_path: Path) -> None:
         table(tmp_path, "a,b,c\n1,2\n4,5\n")
 
 
+def test_rows_above_a_broken_one_are_no_titles(tmp_path: Path) -> None:
+    """Half of a row in the first hundred: all above it, names and readings, went without a word."""
+    rows = [f"{row},{row},{row}" for row in range(60)]
+    broken = [*rows[:40], "40,4", *rows[41:]]
+    for header in ([], ["a,b,c"]):
+        with pytest.raises(InputError, match="row 41 has 2 cells, the first line has 3"):
+            table(tmp_path, "\n".join([*header, *broken]))
+    # Half a row at the very beginning, where a logger was switched on in the midst of it, is a title.
+    assert len(table(tmp_path, "\n".join(["7,7", *rows])).columns["c0"]) == 60
+
+
 def test_a_column_that_ends_early_has_another_length(tmp_path: Path) -> None:
     path = tmp_path / "run.csv"
     path.write_text("t_s,theta_rad,tau_Nm\n0,0,0\n1,1,\n2,2,\n")

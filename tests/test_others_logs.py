@@ -263,6 +263,17 @@ def test_a_spring_whose_rest_is_far_is_not_ruled_out_for_its_offset() -> None:
     assert {"return_spring", "unbalance"} <= {step.added, *step.equivalent}, story.headline
 
 
+def test_what_pushes_away_from_a_position_is_no_return_spring() -> None:
+    """A pendulum that a motor drives at one frequency: "return_spring found", of -0.3 N m/rad."""
+    theta, omega, alpha = swung(0.4, 0.11, 0.35)
+    tau = -2.0 * np.sin(theta) + 0.002 * alpha + 0.01 * np.sign(omega) + 0.01 * normal(2)
+    story = kc.learn(capture(theta, tau))
+    (step,) = story.ladder[1:]
+    assert step.added == "unbalance" and "return_spring" not in step.equivalent, story.headline
+    (spring,) = story.ladder[0].fit.diagnose(only=["return_spring"]).candidates
+    assert any("return_spring.k = -" in why and "at least 0" in why for why in spring.implausible)
+
+
 def driven(noise: float, ramp: float = 0.0) -> kc.Capture:
     """A motor whose torque is commanded: friction that builds up, and what disturbs it slowly."""
     rate_hz, count = 1000.0, 6000

@@ -11,6 +11,7 @@ from .rule import RULE
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from ..base.arrays import FloatArray
     from ..capture.prepare import Prepared
     from .diagnose import Candidate
 
@@ -18,8 +19,12 @@ _ONE_WAY = 0.02  # less of the way than this in one direction tells nothing of i
 
 
 def one_way(prepared: Iterable[Prepared]) -> Literal["forward", "backward"] | None:
-    """Return which way captures go, if they go no other."""
-    omega = np.concatenate([one.omega[one.used] for one in prepared])
+    """Return which way captures go in the rows that count, if they go no other."""
+    return goes(np.concatenate([one.omega[one.used] for one in prepared]))
+
+
+def goes(omega: FloatArray) -> Literal["forward", "backward"] | None:
+    """Return which way a motion of these velocities goes, if it goes no other."""
     forward = float(np.sum(omega[omega > 0.0]))
     backward = -float(np.sum(omega[omega < 0.0]))
     if min(forward, backward) >= _ONE_WAY * (forward + backward):

@@ -12,7 +12,7 @@ from ..base.said import OfParam, number, said
 from ..capture.formats.units import SI
 from ..capture.prepare import travel
 from ..fit.doubts import astray, at_floor
-from ..fit.one_way import one_way
+from ..fit.one_way import goes, one_way
 from ..fit.unheard import unheard
 from ..model.effects import base_effects
 
@@ -70,11 +70,16 @@ def _directions(fit: Fit, omega: FloatArray) -> list[Limitation | None]:
     only = None
     if seen := one_way(fit.prepared):
         missing = "backward" if seen == "forward" else "forward"
+        motion, record = "the motion", "turn through the same range forward and backward"
+        if goes(np.concatenate([one.omega[np.isfinite(one.omega)] for one in fit.prepared])) is None:
+            # At a rate that is low for it, between lost rows, or always about to turn.
+            motion = "what counts of the motion"
+            record = "turn back less often, or record faster: near a turn nothing counts"
         only = Limitation(
             "one_direction",
-            f"the motion is {seen} only: friction {missing}, and whatever differs with the direction, is not "
+            f"{motion} is {seen} only: friction {missing}, and whatever differs with the direction, is not "
             "seen, and dry friction cannot be told from a constant torque",
-            "turn through the same range forward and backward",
+            record,
         )
     turned = sum(_reversals(one.omega, _MOVING * float(np.max(np.abs(omega)))) for one in fit.prepared)
     no_reversal = None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import takewhile
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..base.said import OfEffect, Said, Stretch, number, said
@@ -192,12 +193,7 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
         # Of the tenth that counts effects explain what they like, and of a line over time what drifts.
         return Selection(tuple(ladder), (), last, Unexplained("load", 1.0, lost))
     unexplained = None if within_law(end) else _unexplained(last.comparison)
-    mainly = {step.added for step in ladder if _mainly(step)}
-    if end.model.joint in mainly:
-        # A joint that is missing bends what comes in before it: what each does is seen beside it.
-        mainly |= {one for one in found if _most(end, one)}
-    # What ended at a bound stands in for something else, however much it took off.
-    mainly -= {name.split(".", 1)[0] for name in at_bounds(end)}
+    mainly = _causes(ladder, found)
     # Torques of position alone: two of them together draw nearly any map, so together they name no cause.
     maps = [one for one in found if _is_map(one, end)]
     if len(maps) > 1:
@@ -269,6 +265,24 @@ def _is_map(effect: str, fit: Fit) -> bool:
     row, period = fit.model.catalogue()[effect], fit.model.period
     crossed = 0.0 if row.needs is None or period is None else travel(fit.prepared) / (2.0 * math.pi * period)
     return row.map and crossed < RULE.many
+
+
+def _causes(ladder: Sequence[LearningStep], found: Collection[str]) -> set[str]:
+    """Return the effects that are causes, however much is left: each took off most of what there was.
+
+    Where more came in than are believed, those up to the first in the model that did not: it stands in for
+    something else and bends what is left, and what takes off much of that may do no more than straighten it.
+    """
+    end = ladder[-1].fit
+    came = {step.added: _mainly(step) for step in ladder if step.added in end.model.effects}
+    mainly = {one for one, most in came.items() if most and one is not None}
+    if end.model.joint in mainly:
+        # A joint that is missing bends what comes in before it: what each does is seen beside it.
+        mainly |= {one for one in found if _most(end, one)}
+    elif len(came) > RULE.believed:
+        mainly &= {one for one, _ in takewhile(lambda step: step[1], came.items())}
+    # What ended at a bound stands in for something else, however much it took off.
+    return mainly - {name.split(".", 1)[0] for name in at_bounds(end)}
 
 
 def _mainly(step: LearningStep) -> bool:

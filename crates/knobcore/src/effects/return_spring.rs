@@ -9,6 +9,7 @@ use crate::scalar::Scalar;
 ///
 /// The rest torque k theta0 is a constant, and a constant is also what a difference between `coulomb` neg
 /// and pos makes; so theta0 is determined only where those two are tied.
+/// A spring pulls back. What pushes away from a position is none: a weight above its axis, which is an unbalance.
 pub struct ReturnSpring;
 
 impl Effect<2> for ReturnSpring {
@@ -36,7 +37,7 @@ impl Effect<2> for ReturnSpring {
     const OVER: Over = Over::Position;
     const SECTION: Option<Section> = Some(Section::Spring);
     const PARAMS: [Param; 2] = [
-        Param::linear("k", Unit::of(1, -1, 0), "stiffness"),
+        Param::linear("k", Unit::of(1, -1, 0), "stiffness").plausibly(0.0, f64::INFINITY),
         Param::shape("theta0", Unit::of(0, 1, 0), [-1e6, 1e6], 0.0, "rest angle"),
     ];
 

@@ -142,7 +142,8 @@ def _labelled(words: list[str], unit: str | None) -> Label:
     if "t" in lower and rest:
         quantity = None  # T_motor is a temperature
     if quantity is None:
-        return Label(None if unit is None else _QUANTITY.get(unit), unit)
+        told = None if unit is None else _QUANTITY.get(unit)
+        return Label(told, unit, measured=not _ASKED_FOR & set(lower))
     fits = unit is None or _QUANTITY.get(unit) == quantity
     if unit in ("m", "cm", "mm", "um", "inch", "ft"):
         fits = fits and not _ANGLES_ALONE & set(lower)

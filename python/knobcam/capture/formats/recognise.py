@@ -39,6 +39,8 @@ UNKNOWN = "UNIT"
 """The same for a unit of time that no name says."""
 _SLIDE = {"theta": ("x", "m"), "omega": ("v", "m/s"), "alpha": ("a", "m/s^2"), "tau": ("F", "N")}
 """Letters that a linear axis has in textbooks; that they are meant so is for the user to say."""
+_LOOP = {"theta": "y", "tau": "u"}
+"""Those of a control loop: what came out, and what was put in."""
 _SIMPLE_NAME = re.compile(r"[A-Za-z_][\w.]*")
 
 
@@ -192,6 +194,8 @@ def by_content(table: Table) -> dict[str, Entry]:
         return entries | {
             name: Entry(f"`{one}`", unit) for name, (one, unit) in _SLIDE.items() if one in others
         }
+    if set(_LOOP.values()) <= set(others):
+        return entries | {target: Entry(f"`{one}`", None) for target, one in _LOOP.items()}
     if others:
         # What was asked of the axis stands beside what it did, and is the smoother of the two.
         few = others[:_COMPARED]

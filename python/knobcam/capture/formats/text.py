@@ -9,7 +9,7 @@ import re
 from array import array
 from collections.abc import Callable, Iterable, Mapping
 from datetime import UTC, date, datetime
-from itertools import islice
+from itertools import chain, islice
 from typing import IO, Any, TextIO
 
 import numpy as np
@@ -18,6 +18,7 @@ from ...base.arrays import FloatArray
 from ...errors import InputError
 from .inflate import Budget, peek, survey
 from .loggers import TABS
+from .quoted import left_open, records
 from .scope import read_scope, separator
 from .table import Table, called, check_width
 from .units import spelled_out
@@ -133,12 +134,23 @@ def _next_line(source: str, lines: TextIO, comments: list[str]) -> tuple[int, st
     start = lines.tell()
     while line := lines.readline():
         if not _skipped(line):
-            return start, line
+            return start, _record(line, lines)
         if len(comments) == _MOST_COMMENTS:
             raise InputError(f"{source}: {_MOST_COMMENTS} lines and no row of samples; delete the comments")
         comments.append(line)
         start = lines.tell()
     return start, ""
+
+
+def _record(line: str, lines: TextIO) -> str:
+    """Return the row that a line begins, and go on behind it."""
+    if not left_open(line):
+        return line
+    behind = lines.tell()
+    row = next(records(chain([line], iter(lines.readline, ""))))
+    if row == line:
+        lines.seek(behind)
+    return row
 
 
 def _below_titles(source: str, lines: TextIO, start: int, first: str) -> tuple[int, str]:
@@ -154,13 +166,17 @@ def _below_titles(source: str, lines: TextIO, start: int, first: str) -> tuple[i
     at = len(rows)
     while at > 0 and len(rows[at - 1]) == len(rows[-1]) > 1:
         at -= 1
+    # What stands above a row of another width is no title where it has rows of the table: that row is broken.
+    alike = [row for row in range(at) if len(rows[row]) == len(rows[-1])]
+    if any(all(map(_is_value, rows[row])) for row in alike):
+        at = alike[0]
     numbers = next((row for row in range(at, len(rows)) if all(map(_is_value, rows[row]))), len(rows))
     if at > 0 and len(rows) - numbers >= _ROWS:
         above = max(at, numbers - 1)
         units = above > at and _units_below(looked[above - 1][1], looked[above][1])
         start, first = looked[above - 1 if units else above]
     lines.seek(start)
-    lines.readline()
+    _record(lines.readline(), lines)
     return start, first
 
 
@@ -267,7 +283,7 @@ def _cell_by_cell(
     last = [0] * len(names)
     broken: dict[str, str] = {}
     row = whole = 0
-    rest = iter(lines)
+    rest = records(lines)
     while some := list(islice(rest, _CHUNK)):
         fast = _whole(some, delimiter)
         if fast is not None and fast.shape[1] == len(names):
@@ -281,7 +297,7 @@ def _cell_by_cell(
             row += 1
             cells = _cells(line, delimiter) if '"' in line else line.split(delimiter)
             if len(cells) != len(names):
-                raise _wrong_width(source, row, len(cells), len(names))
+                raise _wrong_width(source, row, len(cells), len(names), open_quote=left_open(line))
             numbers = _all_numbers(line, cells)
             if numbers is None:
                 numbers = _patiently(row, names, cells, last, broken)
@@ -339,11 +355,11 @@ def _patiently(
     return numbers
 
 
-def _wrong_width(source: str, row: int, cells: int, names: int) -> InputError:
-    return InputError(
-        f"{source}: row {row} has {cells} cells, the first line has {names}: columns of different length or "
-        f"a line cut short; complete or delete the row"
-    )
+def _wrong_width(source: str, row: int, cells: int, names: int, *, open_quote: bool = False) -> InputError:
+    why = "columns of different length or a line cut short; complete or delete the row"
+    if open_quote:
+        why = "a cell in it begins with a quote that nothing closes; close the quote or delete it"
+    return InputError(f"{source}: row {row} has {cells} cells, the first line has {names}: {why}")
 
 
 def _document(source: str, comments: list[str]) -> Mapping[str, Any] | None:

@@ -21,11 +21,15 @@ REACH = 8
 CLEAR = 8.0
 """Noise deviations beyond which a step is not what its neighbours let expect: one in 1e15 by chance."""
 
-_MOST_LOST = (
-    20  # rows at one place, beyond which the speed before says too little about where the angle would be
-)
+FAR = 4.0
+"""Steps, further than which none is too long by what those beside it are too short."""
+
+MOST_LOST = 50
+"""Rows at one place, beyond which the speed says too little about where the angle would be."""
+
 _BESIDE = 3  # steps to either side of some that are off, which make up for them where they can
 _ASYNCHRONOUS = 0.5  # rows that repeat and do not catch up, to each that seems lost
+_SPEED = 0.05  # of the speed, by which it may be another one while rows are lost
 _WHOLE = 0.15  # a step of lost rows is a whole number of steps, to this share of one
 
 
@@ -33,12 +37,14 @@ _WHOLE = 0.15  # a step of lost rows is a whole number of steps, to this share o
 class Steady:
     """Steps of an angle, shape (steps,), and those that its neighbours let expect, to this noise.
 
-    `clear` are those that are clearly other ones; into a `stale` row, which repeats the one before, the angle
-    made none; `long` are those of the clear ones that may have lost rows.
+    `doubt` is by how much those on either side let expect another one than both together. `clear` are those
+    that are clearly other ones; into a `stale` row, which repeats the one before, the angle made none; `long`
+    are those of the clear ones that may have lost rows.
     """
 
     step: FloatArray
     expected: FloatArray
+    doubt: FloatArray
     noise: float
     long: BoolArray
     clear: BoolArray
@@ -73,7 +79,9 @@ def check_asked(steps: Steady, rows: Rows, index: NDArray[np.intp]) -> Asked:
     off = steps.off()
     # An angle that was read late makes one step longer, and the one before or after it shorter.
     ordinary = np.abs(off) < np.maximum(0.25 * np.abs(steps.expected), 0.5 * CLEAR * steps.noise)
-    alone = np.append(ordinary[1:], True) & np.append(True, ordinary[:-1])
+    far = np.abs(off) > FAR * np.abs(steps.expected)
+    ordinary |= far & steps.long
+    alone = far | (np.append(ordinary[1:], True) & np.append(True, ordinary[:-1]))
     lost, amiss = _lost(steps, steps.long & ~steps.stale & alone), np.zeros(len(off), dtype=np.bool_)
     net = np.convolve(off, np.ones(2 * REACH + 1), "same")
     lost[_caught_up(net, lost * steps.expected)] = 0
@@ -135,8 +143,11 @@ def _lost(steps: Steady, clear: BoolArray) -> NDArray[np.int64]:
     expected = steps.expected
     many = np.where(clear, steps.step, expected) / np.where(expected == 0.0, 1.0, expected)
     whole = np.rint(many)
-    near = np.abs(many - whole) * np.abs(expected) < 0.5 * CLEAR * steps.noise + _WHOLE * np.abs(expected)
-    lost = np.where(clear & near & (whole >= 2.0) & (whole <= _MOST_LOST + 1.0), whole - 1.0, 0.0)
+    # Over a few rows the speed is what it was; over many it may have been another one.
+    doubt = whole * np.where(whole >= REACH, np.maximum(steps.doubt, _SPEED * np.abs(expected)), 0.0)
+    most = 0.5 * CLEAR * steps.noise + _WHOLE * np.abs(expected) + doubt
+    near = np.abs(many - whole) * np.abs(expected) < most
+    lost = np.where(clear & near & (whole >= 2.0) & (whole <= MOST_LOST + 1.0), whole - 1.0, 0.0)
     return lost.astype(np.int64)
 
 
@@ -156,7 +167,7 @@ def _by_groups(steps: Steady) -> tuple[NDArray[np.int64], BoolArray]:
         ahead = np.cumsum(off[around]) / usual
         whole = round(ahead[-1])
         near = abs(ahead[-1] - whole) < 0.5 * CLEAR * steps.noise / abs(usual) + _WHOLE * len(group)
-        if near and 0 < whole <= _MOST_LOST:
+        if near and 0 < whole <= MOST_LOST:
             lost[group[np.argmax(np.abs(steps.step[group]))]] = whole
         elif near and whole < 0 and -whole <= stale[group].sum():
             lost[group[stale[group]][whole:]] = -1

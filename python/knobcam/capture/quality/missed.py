@@ -12,6 +12,7 @@ import numpy as np
 from ...base.arrays import BoolArray, FloatArray, IntArray, groups
 from ...base.said import said
 from ..finding import Finding, Rows, rows_in_words, spans
+from .asked import MOST_LOST, REACH
 from .order import deviation, quantile
 from .stands import Leap, holes, together
 
@@ -34,7 +35,6 @@ _OWN = 0.3  # of a leap, by which a velocity that goes on as before may be off m
 _SMALL = 0.02  # of the way from end to end: two logs that were joined are farther apart
 _PLACES = 100  # beyond which the motion is like that
 _STEPS = 0.25  # of one: a leap ahead that is nearer to a whole number of steps may be rows that are missing
-_ROWS = 20  # of those, at most
 _ROUNDS = 4
 
 
@@ -286,13 +286,19 @@ def _beside_the_way(theta: FloatArray, told: FloatArray, leap: Leap, reach: int)
 
 
 def _rows_ahead(theta: FloatArray, leap: Leap, reach: int, unsure: float) -> bool:
-    """Whether the angle leaps ahead by a whole number of its steps, as where rows are missing."""
+    """Whether the angle leaps ahead by a whole number of its steps, as where rows are missing.
+
+    Where its speed is another one behind the leap, a whole number of steps is known to that much only.
+    """
     before, after = leap.before, leap.after
-    step = 0.5 * (
-        (theta[before] - theta[max(0, before - reach)]) / min(reach, before or 1)
-        + (theta[min(len(theta) - 1, after + reach)] - theta[after]) / reach
+    sides = (
+        (theta[before] - theta[max(0, before - reach)]) / min(reach, before or 1),
+        (theta[min(len(theta) - 1, after + reach)] - theta[after]) / reach,
     )
+    step = 0.5 * sum(sides)
     if step == 0.0 or leap.size / step < 0.5:
         return False
     many = leap.size / step
-    return bool(round(many) <= _ROWS and abs(many - round(many)) < max(_STEPS, 0.3 * unsure / abs(step)))
+    doubt = many * abs(sides[1] - sides[0]) / (2.0 * abs(step)) if many >= REACH else 0.0
+    off = abs(many - round(many))
+    return bool(round(many) <= MOST_LOST and off < max(_STEPS, 0.3 * unsure / abs(step), doubt))

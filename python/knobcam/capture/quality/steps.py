@@ -13,7 +13,7 @@ from ...base.arrays import BoolArray, FloatArray, groups
 from ...base.said import Advice, said
 from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import Coordinate
-from .asked import CLEAR, REACH, Steady, check_asked
+from .asked import CLEAR, FAR, REACH, Steady, check_asked
 from .missed import check_missed
 from .order import medians, quantile
 from .wild import wild
@@ -27,6 +27,8 @@ _COUNTS = 1.5  # of an encoder, beyond which a step is not what its neighbours l
 _FAST = 1.25  # counts a row, from which each row has another
 _THROUGH = 0.8  # of its range, that an angle leaps through where a register wraps
 _LEAPS = 2  # through all of it, that tell how wide the register is
+_SPAN = 10  # rows, over which the way that a velocity tells of is compared with the angle
+_OTHER = 0.2  # of the angle's way, that is left beside that of a velocity that is another one
 _FEW = 3  # rows that repeat, fewer than which tell nothing unless the angle itself does
 
 
@@ -78,12 +80,20 @@ def check_steps(
         index = index[~missed.bad[index]]
     step = np.diff(theta[index])
     least = _count(step)
-    expected, spread = _expected(step, np.diff(t[index]), least)
+    expected, doubt, spread = _expected(step, np.diff(t[index]), least)
     noise = max(spread, 0.5 * least)
+    sure = np.abs(expected) > 0.5 * CLEAR * noise
+    if (told := _by_velocity(columns, theta, index, rate_hz)) is not None:
+        # Of a leap where the angle itself is too slow to say so, or turns; a velocity may be late.
+        way, error = told
+        leaps = np.abs(step - way) > np.maximum(CLEAR * noise, FAR * np.abs(way))
+        better = ~sure & leaps & (np.abs(way) > 0.5 * CLEAR * error)
+        expected, doubt = np.where(better, way, expected), np.where(better, error, doubt)
+        sure |= better
     off = np.abs(step - expected)
     # An angle in counts is off by one at most, and a step that is expected by another quarter.
     short = off > (_COUNTS * least if spread < 0.5 * least else CLEAR * noise)
-    clear = (np.abs(expected) > CLEAR * noise) & (off > np.maximum(CLEAR * noise, 0.5 * np.abs(expected)))
+    clear = sure & (off > np.maximum(CLEAR * noise, 0.5 * np.abs(expected)))
 
     stale = _stale(columns, index, step, least, short & (off > 0.5 * np.abs(expected)))
     if not (stale.any() or bad["spike"].any() or (off > CLEAR * noise).any()):  # nothing of what follows
@@ -146,7 +156,7 @@ def check_steps(
     # What a repeated row held back comes with the next one.
     follows = np.concatenate(([False], (stale | np.concatenate((spike, [False])))[:-1]))
     kept = ~follows & (np.diff(t[index]) < 1.5 / rate_hz)  # else the clock says so itself
-    asked = check_asked(Steady(step, expected, noise, clear & kept, clear, stale), rows, index)
+    asked = check_asked(Steady(step, expected, doubt, noise, clear & kept, clear, stale), rows, index)
     bad["asked"][index[1:][asked.amiss]] = True
     findings += asked.findings
     if asked.findings and asked.findings[0].key not in overruled:
@@ -250,8 +260,8 @@ def _register(t: FloatArray, theta: FloatArray, jump: FloatArray) -> tuple[BoolA
     return wraps, size
 
 
-def _expected(step: FloatArray, dt: FloatArray, least: float) -> tuple[FloatArray, float]:
-    """The step into each row that its neighbours let expect, and how far steps usually are from it.
+def _expected(step: FloatArray, dt: FloatArray, least: float) -> tuple[FloatArray, FloatArray, float]:
+    """The step into each row that its neighbours let expect, its doubt, and how far steps are from it.
 
     By the speed of a few of them; where the step is another, by the median speeds of those before and after,
     and where these two are not nearly the same, nothing is expected: zero. Stamps that jitter say little
@@ -273,10 +283,28 @@ def _expected(step: FloatArray, dt: FloatArray, least: float) -> tuple[FloatArra
     before, after = (medians(side) for side in sides)
     steady = (before * after > 0.0) & (np.abs(before - after) < np.abs(before + after) / 3.0)
     speed = np.where(steady, 0.5 * (before + after), 0.0)
+    doubt = np.zeros(count)
+    doubt[doubtful] = np.where(steady, 0.5 * np.abs(before - after), 0.0) * usual
     own, even = speed * dt[doubtful], speed * usual
     nearer = np.abs(step[doubtful] - own) < np.abs(step[doubtful] - even)
     expected[doubtful] = np.where(nearer, own, even)
-    return expected, spread
+    return expected, doubt, spread
+
+
+def _by_velocity(
+    columns: dict[str, FloatArray], theta: FloatArray, index: NDArray[np.intp], rate_hz: float
+) -> tuple[FloatArray, float] | None:
+    """The step into each row that a measured velocity lets expect, and its noise; None of any other one."""
+    if "omega" not in columns:
+        return None
+    omega, angle = columns["omega"][index], theta[index]
+    way = 0.5 * (omega[1:] + omega[:-1]) / rate_hz
+    rest = angle - np.append(0.0, np.cumsum(way))
+    went, off = (np.abs(values[_SPAN:] - values[:-_SPAN]) for values in (angle, rest))
+    if not quantile(off, 0.5) < _OTHER * quantile(went, 0.5):
+        return None
+    # A velocity that is late, or filtered, is off by as much as that makes of the way.
+    return way, quantile(off, 0.5) / 0.6745 / _SPAN
 
 
 def _count(step: FloatArray) -> float:
