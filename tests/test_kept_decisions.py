@@ -81,6 +81,7 @@ def fitted(
             )
         ],
         params={name: estimate(rng, unit="rad" if name.endswith("S") else "N m") for name in names},
+        model=SimpleNamespace(phases={name for name in names if name.endswith("S")}),
         before=before,
     )
 
