@@ -73,7 +73,7 @@ def p_word(p_value: float, digits: str) -> str:
 
 def bound_word(text: str) -> str:
     """Return text with the sign of a bound as a person writes it."""
-    return text.replace("<= ", "≤\u00a0")
+    return text.replace("<= ", "≤\u00a0").replace("> ", ">\u00a0")
 
 
 def worded(said: str, coordinate: str) -> str:
