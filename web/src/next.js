@@ -163,6 +163,8 @@ export class Next {
     const instead = experiment === null ? insteadOf(state) : "";
     byId("next-show").textContent = experiment ? "Next experiment…" : instead ? "Design that motion…" : "What to record next…";
     byId("next-show").hidden = experiment === null && waitsFor(state);
+    // Of what a motion does not show its limits are no help.
+    byId("next-bounds").hidden = experiment === null && state.record !== null && waitsFor(state);
     byId("next").classList.toggle("without", experiment === null);
     if (node === null) byId("next").hidden = true;
     this.within.show(state);

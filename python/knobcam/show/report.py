@@ -245,7 +245,7 @@ def _why(learned: LearningResult) -> str:
     said = "Where the first model failed: the residual along every axis, beside the band of chance."
     return "\n".join(
         [
-            paragraph(f"The first model: {learned.before.summary}"),
+            paragraph(f"The first model: {worded(learned.before.summary, learned.model.coordinate)}"),
             figure(learned.before.plot(), said),
             wide_table("The error ladder", learned.head, _worded(learned.rows(), learned.model.coordinate)),
         ]

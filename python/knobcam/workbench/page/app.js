@@ -4601,6 +4601,7 @@ var Next = class {
     const instead = experiment === null ? insteadOf(state) : "";
     byId("next-show").textContent = experiment ? "Next experiment…" : instead ? "Design that motion…" : "What to record next…";
     byId("next-show").hidden = experiment === null && waitsFor(state);
+    byId("next-bounds").hidden = experiment === null && state.record !== null && waitsFor(state);
     byId("next").classList.toggle("without", experiment === null);
     if (node === null) byId("next").hidden = true;
     this.within.show(state);
