@@ -9,6 +9,7 @@ from small import COUPLINGS
 
 import knobcam as kc
 from knobcam.errors import InputError
+from knobcam.learn.experiment import NoMotion
 from knobcam.learn.limits import Limits
 from knobcam.learn.showing_more import _KINDS, _plan, _room, along
 from knobcam.learn.to_record import _ALONG
@@ -64,3 +65,15 @@ def test_a_time_that_is_given_holds_and_one_that_is_too_short_is_said(braked: kc
     assert kc.next_experiment(braked, limits=reached).seconds <= reached.duration_s
     with pytest.raises(InputError, match=r"duration_s: 0\.2 is too short for such a motion; give more"):
         kc.next_experiment(braked, limits=reached.with_some({"duration_s": 0.2}))
+
+
+def test_where_the_torque_is_too_little_it_is_said_what_all_of_the_way_takes_and_that_is_enough(
+    braked: kc.LearningResult,
+) -> None:
+    reached = Limits.reached(braked.fit.prepared, 60.0)
+    with pytest.raises(NoMotion, match=r"torque_Nm: 1e-05 is too little for such a motion") as refused:
+        kc.next_experiment(braked, limits=reached.with_some({"torque_Nm": 1e-5}))
+    assert refused.value.enough is not None
+    name, enough = refused.value.enough
+    designed = kc.next_experiment(braked, limits=reached.with_some({name: enough}))
+    assert np.ptp(designed.track.theta) == pytest.approx(2.0 * reached.half, rel=1e-3)

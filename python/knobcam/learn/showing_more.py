@@ -167,7 +167,7 @@ def show_more(story: LearningResult, axis: str, limits: Limits, *, by_hand: bool
     alone = (Rival(story.found, story.fit),)
     telling = Telling(alone)
     fails = [one.end for one in story.after["history"].regions[:1]]
-    rate, least = limits.sample_rate_hz, math.inf
+    rate, least = limits.sample_rate_hz, dict.fromkeys(_WAYS, math.inf)
     for way, hurry, ease in product(_WAYS, _HURRIES, _EASES):
         plan = _plan(axis, _room(limits, way, hurry, ease, fails[0] if fails else 0.0))
         if by_hand:
@@ -181,15 +181,17 @@ def show_more(story: LearningResult, axis: str, limits: Limits, *, by_hand: bool
         track = plan.track(rate)
         torque = telling.peak(track, draws=False)
         if torque > limits.torque_Nm:
-            least = min(least, torque)
+            least[way] = min(least[way], torque)
             continue
         omega, alpha = (float(np.max(np.abs(one))) for one in (track.omega, track.alpha))
         made = Experiment(alone, limits, plan, track, (), (torque, omega, alpha), shows=axis)
         return replace(made, took_s=time.monotonic() - begun)
-    if least < math.inf:
-        takes = f"is too little for such a motion, which may take {least:.3g}"
+    # Over as much of the way as there is time for.
+    needed = next((torque for torque in least.values() if torque < math.inf), None)
+    if needed is not None:
+        takes = f"is too little for such a motion, which may take {needed:.3g}"
         few = f"limits, torque_Nm: {limits.torque_Nm:.4g} {takes}; give more"
-        raise NoMotion(few, ("torque_Nm", _ROUNDED * least))
+        raise NoMotion(few, ("torque_Nm", _ROUNDED * needed))
     few = f"limits, duration_s: {limits.duration_s:.4g} is too short for such a motion; give more"
     raise NoMotion(few, None)
 
