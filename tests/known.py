@@ -39,6 +39,7 @@ class Known:
     period: float | None = None
     prepared: tuple[Any, ...] = ()
     laws: tuple[str, ...] = ()
+    phases: frozenset[str] = frozenset()
     worths: dict[str, float] = field(default_factory=dict)
 
     @property
@@ -49,6 +50,7 @@ class Known:
     @property
     def model(self) -> Any:
         known = {"effects": self.effects, "coordinate": "rotary", "period": self.period, "core": None}
+        known |= {"phases": self.phases}
         return SimpleNamespace(**known, catalogue=kc.effects, laws=self.laws, joint=joint_of(self.effects))
 
     @property

@@ -57,7 +57,7 @@ def test_parameters_move_in_errors_of_the_new_and_percent_of_the_old():
     old = Known(1.0, params={"a": estimate(-2.0, 0.3), "b": estimate(0.0, 1.0), "c": estimate(1.0, math.inf)})
     new = Known(1.0, params={"a": estimate(-1.0, 0.5), "b": estimate(1.0, 0.5), "c": estimate(2.0, 0.1)})
     moved = refit.moved(old, new)
-    assert moved["a"] == (2.0, 50.0) and moved["b"].by_se == 2.0 and math.isnan(moved["b"].by_percent)
+    assert moved["a"] == (2.0, 50.0, 1.0) and moved["b"].by_se == 2.0 and math.isnan(moved["b"].by_percent)
     assert list(moved) == ["a", "b"]
     assert refit.moved(old, Known(1.0, params={"a": estimate(-2.0, 0.0)})) == {}
 

@@ -64,7 +64,7 @@ def test_add_refits_with_the_effect_and_says_what_that_changed(
     document = knobcam("add", "return_spring", recorded, base, "-o", target, "--json").document
     assert document["schema"] == "knobcam.add/1" and document["added"] == ["return_spring"]
     assert document["error_fall"] == pytest.approx(1.0 - document["rmse"] / document["before"]["rmse"])
-    assert document["moved"]["inertia.M"].keys() == {"by_se", "by_percent"}
+    assert document["moved"]["inertia.M"].keys() == {"by_se", "by_percent", "by"}
     assert document["files"] == {"model": str(target)}
     assert "return_spring" in kc.Model.load(target).effects
     assert "return_spring" not in kc.Model.load(base).effects

@@ -81,6 +81,7 @@ def fitted(
             )
         ],
         params={name: estimate(rng, unit="rad" if name.endswith("S") else "N m") for name in names},
+        model=SimpleNamespace(phases={name for name in names if name.endswith("S")}),
         before=before,
     )
 
@@ -146,8 +147,7 @@ def test_of_what_is_said_of_any_richer_fit() -> None:
         step = ladder.LearningStep(after, "stribeck")
         told.put("  mainly", [selection._mainly(step), refit.error_fall(before, after)])
         told.put("  percent", [refit.percent(refit.error_fall(before, after))])
-        held = plausible._unseen(after, before)
-        told.put("  unseen", held)
+        told.put("  unseen", plausible._unseen(after, before))
     told.put("none", [refit.error_fall(SimpleNamespace(rmse=0.0), SimpleNamespace(rmse=1.0))])
     told.put("weights", [rivals.in_percent(one) for one in (None, 0.0, 0.5, 0.9989, 0.9991, 1.0)])
     told.done()

@@ -137,7 +137,7 @@ def test_the_document_is_that_of_the_contract(story: kc.LearningResult) -> None:
     assert {"added", "effects", "rmse", "rmse_heldout", "params"} <= first.keys()
     assert {"error_fall", "p_value", "equivalent", "moved"} <= last.keys()
     assert last["params"].keys() == story.fit.params.keys()
-    assert last["moved"]["inertia.M"].keys() == {"by_se", "by_percent"}
+    assert last["moved"]["inertia.M"].keys() == {"by_se", "by_percent", "by"}
     period = last["params"]["detent.P"]
     assert period["ci95"][0] < period["value"] < period["ci95"][1] and period["unit"] == "rad"
     json.dumps(document)

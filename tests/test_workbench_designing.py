@@ -177,6 +177,21 @@ def test_where_nothing_is_tied_the_next_motion_is_for_what_is_known_least(
     assert older.headline == design.headline and older.names == design.names
 
 
+def test_what_came_in_and_is_needless_beside_what_came_in_since_is_told_and_goes_by_a_button(
+    client: httpx.Client, bench: Bench
+) -> None:
+    post(client, "simulate", **SPRUNG)
+    for effect in ("unbalance", "return_spring"):
+        post(client, "add", effect=effect)
+        bench.session.weigh()
+    assert shown(client)["needless"] == ["unbalance"]
+    post(client, "drop", effect="unbalance")
+    bench.session.weigh()
+    state = shown(client)
+    assert state["needless"] == [] and state["concluded"]
+    assert [one["label"] for one in state["ladder"]][-1] == "+ return_spring"
+
+
 def test_an_emulated_rig_is_recorded_from_with_the_same_knob_in_it(
     client: httpx.Client, bench: Bench, tmp_path: Path
 ) -> None:

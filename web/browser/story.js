@@ -95,6 +95,13 @@ for (const [width, height] of [[720, 450], [700, 950], [800, 950], [1120, 800], 
   assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth), `${width} px`);
   const inside = await page.evaluate(() => document.querySelector("aside").scrollWidth <= document.querySelector("aside").clientWidth);
   assert.ok(inside, `the parameters are cut off at ${width} px`);
+  const cut = await page.evaluate(() => {
+    const chosen = document.getElementById("chosen");
+    const bottoms = [...document.querySelectorAll("#plots .plot")].filter((one) => one.checkVisibility()).map((one) => one.getBoundingClientRect().bottom);
+    return [chosen.scrollHeight - chosen.clientHeight, Math.max(...bottoms) - document.getElementById("plots").getBoundingClientRect().bottom];
+  });
+  assert.ok(cut[0] <= 2, `what is chosen is cut off at ${width} x ${height}`);
+  assert.ok(height < 700 || cut[1] <= 2, `a plot is cut off at ${width} x ${height}`);
   await page.locator("h1").hover();
   if (width === 700 || width === 720 || width === 1920) await picture(`3-at-${width}`);
   const plots = await page.locator("#plots").boundingBox();
@@ -246,6 +253,13 @@ await page.setViewportSize({ width: 688, height: 1017 }); // A4 within the margi
 const sheet = await page.locator("#sheet").boundingBox();
 assert.ok(sheet.y + sheet.height < 1017, `what is handed in is longer than a page: ${JSON.stringify(sheet)}`);
 assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth), "or wider");
+// What may not be parted is so small that two of it stand on a page, and the rest of none stays white.
+const whole = await page.evaluate(() =>
+  [...document.querySelectorAll("main > :not(#sheet), main > :not(#sheet) *")]
+    .filter((one) => getComputedStyle(one).breakInside === "avoid")
+    .map((one) => one.getBoundingClientRect().height),
+);
+assert.ok(whole.length > 10 && Math.max(...whole) < 1017 / 2, `a part of the appendix is ${Math.max(...whole)} px high`);
 await page.emulateMedia({ media: "screen" });
 await page.setViewportSize({ width: 1500, height: 950 });
 assert.deepEqual(requests.filter((url) => !url.startsWith("file:") && !url.startsWith("data:")), []);

@@ -105,7 +105,7 @@ class App {
       },
       recording: () => this.live?.follow(),
       where: () => this.live?.angle ?? null,
-      made: () => this.refresh(Infinity),
+      ...{ made: () => this.refresh(Infinity), drop: (/** @type {string} */ effect) => void this.ask("drop", { effect }, "drop") },
       failed: (reason) => this.failed(reason),
     });
   }

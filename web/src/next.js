@@ -12,7 +12,7 @@ import { Port } from "./port.js";
 import { aboutOf, nodes, sentence } from "./said.js";
 import { decode } from "./store.js";
 import { timed } from "./timing.js";
-import { alikeOf, insteadOf, showUntold } from "./untold.js";
+import { alikeOf, insteadOf, showUntold, waitsFor } from "./untold.js";
 import { Within } from "./within.js";
 
 /** @typedef {import("./types.js").Experiment} Experiment */
@@ -26,7 +26,7 @@ const FLAT = 0.2; // of what was recorded: a motion that is smaller is seen from
 export class Next {
   /**
    * @param {{store: import("./store.js").Store, design: (body: object) => Promise<unknown>,
-   *   recording: () => void, where: () => number | null, made: () => void, failed: (reason: unknown) => void}} deeds
+   *   recording: () => void, where: () => number | null, made: () => void, drop: (effect: string) => void, failed: (reason: unknown) => void}} deeds
    */
   constructor(deeds) {
     this.deeds = deeds;
@@ -91,7 +91,7 @@ export class Next {
 
   /** Whether there is nothing yet that a motion could be designed for. */
   get waits() {
-    return this.state !== null && this.told === null && this.asked.length === 0 && insteadOf(this.state) !== "";
+    return this.state !== null && this.told === null && this.asked.length === 0 && waitsFor(this.state);
   }
 
   /**
@@ -157,12 +157,14 @@ export class Next {
   show(state) {
     if (this.state?.node !== state.node) this.effects = undefined; // what was asked of another model
     this.state = state;
-    showUntold(byId("untold"), state, (effects) => this.design(effects));
+    showUntold(byId("untold"), state, (effects) => this.design(effects), this.deeds.drop);
     const { experiment, node, recording, candidates } = state;
     byId("next-line").hidden = experiment === null && !(candidates.ready && node !== null);
-    byId("next-show").textContent = experiment ? "Next experiment…" : "What to record next…";
     const instead = experiment === null ? insteadOf(state) : "";
-    byId("next-show").hidden = instead !== "";
+    byId("next-show").textContent = experiment ? "Next experiment…" : instead ? "Design that motion…" : "What to record next…";
+    byId("next-show").hidden = experiment === null && waitsFor(state);
+    // Of what a motion does not show its limits are no help.
+    byId("next-bounds").hidden = experiment === null && state.record !== null && waitsFor(state);
     byId("next").classList.toggle("without", experiment === null);
     if (node === null) byId("next").hidden = true;
     this.within.show(state);

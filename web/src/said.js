@@ -36,7 +36,7 @@ const WAYS = {
  * @param {About} about
  */
 export function wordsOfPart(part, about) {
-  if (typeof part === "string") return part.replaceAll(/(?<=^|[\s(])-(?=\d)/g, "−");
+  if (typeof part === "string") return part.replaceAll(/(?<=^|[\s(])-(?=\d)/g, "−").replaceAll("<=", "≤");
   if ("text" in part) return measured(part, about);
   if ("low" in part) return stretch(part, about);
   if ("along" in part) return axisWord(part.along, about.unit);

@@ -154,7 +154,7 @@
 
 /**
  * How far a parameter went when an effect came in.
- * @typedef {{by_se: number, by_percent: number | null}} Movement
+ * @typedef {{by_se: number, by_percent: number | null, by: number}} Movement
  */
 
 /**
@@ -216,10 +216,10 @@
 /**
  * What a session has; before the first capture there is no node, `proposed` is null until it is asked.
  *
- * Of each of `untold` one is in the model, not known which. `added` came in and is not named in what is
- * said: what is `concluded`, if anything, be it by a search for everything that ended here (`searched`), and
- * the `verdict`. `record` shows more of what no effect explains. `limits` are what the captures reached,
- * within which a motion is designed; `below_hz` is the edge of the filter of torques, null without one.
+ * Of each of `untold` one is in the model, not known which; what is `needless` does what came in since does.
+ * `added` is not named in what is said: what is `concluded`, if anything, be it by a search for everything
+ * that ended here (`searched`), and the `verdict`. What to `record` shows more of what has no name, a motion
+ * `shown_along` its axis, within `limits`; `below_hz` is the edge of the filter of torques, null without.
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, peak: number,
  *   below_hz: number | null, params: Param[], together: Together[], rmse: number | null,
@@ -233,7 +233,7 @@
  *   titles: Record<string, string>, absent: Effect[], untold: string[][], proposed: Law[] | null,
  *   proposed_said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   curve: Curve | null, surface: Surface | null, limits: Record<string, number> | null,
- *   experiment: Experiment | null}} Session
+ *   experiment: Experiment | null, needless: string[], shown_along: string | null}} Session
  */
 
 /**
@@ -273,8 +273,8 @@
  *   titles: Record<string, string>, absent: Effect[], untold: string[][], proposed: Law[] | null,
  *   proposed_said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   curve: Curve | null, surface: Surface | null, limits: Record<string, number> | null,
- *   experiment: Experiment | null, job: Job | null, recording: boolean, looked: Looked | null, unread: string[],
- *   left: Left[], notes: string[]}} State
+ *   experiment: Experiment | null, needless: string[], shown_along: string | null, job: Job | null,
+ *   recording: boolean, looked: Looked | null, unread: string[], left: Left[], notes: string[]}} State
  */
 
 /**

@@ -1,19 +1,28 @@
 /** What captures could not tell, and what is to be done before a motion is designed for it. */
 
 import { make } from "./dom.js";
-import { listed } from "./names.js";
+import { listed, titleOf } from "./names.js";
 
 /** @typedef {import("./types.js").State} State */
 
 /**
  * What is to be done before a motion is designed, or recorded in its place: for a model that lacks something it would
  * only make known better what is wrong. Nothing where captures could not tell effects apart.
- * @param {State} state
+ * @param {Pick<State, "candidates" | "record" | "shown_along" | "untold">} state
  */
-export function insteadOf({ candidates, record, untold }) {
-  if (untold.length > 0) return "";
+export function insteadOf({ candidates, record, shown_along: along, untold }) {
+  if (untold.length > 0 && along === null) return "";
   if (candidates.rows.some(({ could_be: could }) => could)) return "What to record next is known once what is missing is in the model.";
   return record ? `What to record next, to see what it is: ${record}.` : "";
+}
+
+/**
+ * Whether no motion is for what is to be done first: while something is missing, or where it takes something else than a
+ * motion within limits, as a finer sensor.
+ * @param {Pick<State, "candidates" | "record" | "untold" | "shown_along">} state
+ */
+export function waitsFor(state) {
+  return insteadOf(state) !== "" && state.shown_along === null;
 }
 
 /**
@@ -50,12 +59,13 @@ export function boundsButton(effects, bounds, whose) {
 }
 
 /**
- * Say what captures could not tell of what came in, with a button for each.
+ * Say what captures could not tell of what came in, and what of it is needless by now, with a button for each.
  * @param {HTMLElement} place
  * @param {State} state
  * @param {(effects: string[]) => void} apart
+ * @param {(effect: string) => void} drop
  */
-export function showUntold(place, { untold }, apart) {
+export function showUntold(place, { untold, needless }, apart, drop) {
   const rows = untold.map((effects) =>
     make(
       "li",
@@ -67,5 +77,10 @@ export function showUntold(place, { untold }, apart) {
       apartButton(effects, apart),
     ),
   );
-  place.replaceChildren(...rows);
+  const out = needless.map((effect) => {
+    const click = () => drop(effect);
+    const button = make("button", { type: "button", text: "Take it out", "aria-label": `Take out ${titleOf(effect)}`, on: { click } });
+    return make("li", {}, ...listed([effect], ""), " is needless by now: what came in since does the same. ", button);
+  });
+  place.replaceChildren(...rows, ...out);
 }

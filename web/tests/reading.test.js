@@ -68,11 +68,22 @@ test("what to record next waits for what is missing, and says in words what show
   globalThis.location = /** @type {any} */ ({ search: "" });
   const { insteadOf } = await import("../src/untold.js");
   const state = (/** @type {boolean} */ could, /** @type {string | null} */ record, /** @type {string[][]} */ untold = []) =>
-    insteadOf(/** @type {any} */ ({ candidates: { rows: [{ could_be: could }] }, record, untold }));
+    insteadOf(/** @type {any} */ ({ candidates: { rows: [{ could_be: could }] }, record, shown_along: record && !untold.length ? "position" : null, untold }));
   assert.match(state(true, null), /once what is missing is in the model/);
   assert.equal(state(false, "slow passes"), "What to record next, to see what it is: slow passes.");
   assert.equal(state(false, null), "", "where nothing is missing a motion is designed");
   assert.equal(state(true, null, [["detent", "return_spring"]]), "", "and where effects look alike");
+});
+
+test("a motion is offered for what has no name where one shows more of it, and none while something is missing", async () => {
+  globalThis.location = /** @type {any} */ ({ search: "" });
+  const { waitsFor } = await import("../src/untold.js");
+  const waits = (/** @type {boolean} */ could, /** @type {string | null} */ record, /** @type {string | null} */ along) =>
+    waitsFor(/** @type {any} */ ({ candidates: { rows: [{ could_be: could }] }, record, shown_along: along, untold: [] }));
+  assert.equal(waits(false, "slow passes", "position"), false);
+  assert.equal(waits(false, "another load", null), true, "no motion is another load");
+  assert.equal(waits(true, null, null), true);
+  assert.equal(waits(false, null, null), false, "nothing is left: what is known least is sharpened");
 });
 
 test("limits that are typed while something is missing are for what cannot be told from it", async () => {

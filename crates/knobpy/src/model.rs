@@ -10,7 +10,7 @@ use knobcore::error::Result;
 use knobcore::forward::forward as forward_core;
 use knobcore::model::{Model, Role};
 use knobcore::motion::{Channel, Load, Motion};
-use knobcore::param::{Axis, Given, Param, Usual};
+use knobcore::param::{Axis, Given, Kind, Param, Usual};
 use knobcore::predict::{Columns, Seeds, raw};
 
 use knobcore::{model_file, predict};
@@ -360,6 +360,7 @@ fn row(py: Python<'_>, id: Id, axis: Axis) -> PyResult<Bound<'_, PyDict>> {
         let spread = if let Usual::WherePaid(spread) = p.usual { Some(spread) } else { None };
         row.set_item("where_paid", spread)?;
         row.set_item("meaning", p.meaning)?;
+        row.set_item("phase", matches!(p.kind, Kind::PhaseOf(_)))?;
         PyResult::Ok(row)
     };
     row.set_item("params", info.params.iter().map(param).collect::<PyResult<Vec<_>>>()?)?;

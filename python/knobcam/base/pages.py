@@ -132,6 +132,7 @@ class Movement(TypedDict):
 
     by_se: float
     by_percent: float | None
+    by: float
 
 
 class Candidate(Effect):
@@ -222,10 +223,10 @@ class Splits(TypedDict):
 class Session(TypedDict):
     """What a session has; before the first capture there is no node, `proposed` is null until it is asked.
 
-    Of each of `untold` one is in the model, not known which. `added` came in and is not named in what is
-    said: what is `concluded`, if anything, be it by a search for everything that ended here (`searched`), and
-    the `verdict`. `record` shows more of what no effect explains. `limits` are what the captures reached,
-    within which a motion is designed; `below_hz` is the edge of the filter of torques, null without one.
+    Of each of `untold` one is in the model, not known which; what is `needless` does what came in since does.
+    `added` is not named in what is said: what is `concluded`, if anything, be it by a search for everything
+    that ended here (`searched`), and the `verdict`. What to `record` shows more of what has no name, a motion
+    `shown_along` its axis, within `limits`; `below_hz` is the edge of the filter of torques, null without.
     """
 
     schema: str
@@ -263,6 +264,8 @@ class Session(TypedDict):
     surface: Surface | None
     limits: dict[str, float] | None
     experiment: Experiment | None
+    needless: list[str]
+    shown_along: str | None
 
 
 class Seen(TypedDict):

@@ -193,6 +193,7 @@ def run_learn(args: Namespace) -> Answer:
         return _experimented(args, model, options)
 
     from ..learn import Interrupted, learn
+    from ..learn.showing_more import along
 
     captures = arguments.read_all(args)
     options |= {"budget_s": args.budget_s}
@@ -222,6 +223,8 @@ def run_learn(args: Namespace) -> Answer:
             learned = learned.accept(proposals, args.accept)
     elif learned.verdict == "unexplained" and learned.cut is None:
         said_more = ["Formulas that would explain it, beside all names: the same with --propose."]
+        if along(learned) is not None:
+            said_more += ["A motion for that, within limits: `knobcam next` with the same captures."]
     files = write(args, learned)
     if args.plots is not None and pictures:
         files["proposals"] = put(args, pictures)

@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from .fitting import Fit
     from .refit import Moved
 
+LEAST_P = 0.001
+"""The least p-value that 999 draws can tell: what chance never did in all of them."""
 COULD_BE_IN_WORDS = "Could be missing"
 COULD_NOT_IN_WORDS = "Too little, no more than chance, or not by their values"
 
@@ -350,9 +352,9 @@ def check_effects(name: str, ids: Collection[str], coordinate: str) -> tuple[str
     return tuple(ids)
 
 
-def p_in_words(p_value: float) -> str:
-    """Return a p-value for people."""
-    return "< 0.001" if p_value < 0.001 else f"{p_value:.3f}"
+def p_in_words(p_value: float, least: float = LEAST_P) -> str:
+    """Return a p-value for people: a bound where it is the least that its draws can tell."""
+    return f"<= {least:g}" if p_value <= least else f"{p_value:.3f}"
 
 
 def _weighed(

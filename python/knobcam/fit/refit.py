@@ -26,10 +26,23 @@ _ROUNDING = 1e-9  # of an error
 
 
 class Moved(NamedTuple):
-    """How far a parameter went: in standard errors of its new value, and in percent of its old one."""
+    """How far a parameter went: in standard errors of its new value, in percent of its old one, in its unit.
+
+    A phase has no percent (NaN): its zero is a value like any other. It went the shorter way round.
+    """
 
     by_se: float
     by_percent: float
+    by: float
+
+    @property
+    def sizeless(self) -> bool:
+        """Whether there is nothing to take percent of: a phase, or what was zero before."""
+        return math.isnan(self.by_percent)
+
+    def in_words(self, unit: str) -> str:
+        """How much of its old value that is; of what has no size to compare with, how much in its unit."""
+        return f"by {self.by:+.3g} {unit}" if self.sizeless else f"{self.by_percent:+.3g} %"
 
 
 @checked
@@ -185,19 +198,26 @@ def worse(fit: Fit) -> tuple[str, ...]:
 def moved(before: Fit, after: Fit) -> dict[str, Moved]:
     """Return how far the parameters went that both fits determine."""
     both = {}
+    phases = after.model.phases
     for name, new in after.params.items():
         old = before.params.get(name)
         if old is None or not (old.determined and new.determined) or new.se == 0.0:
             continue
         step = new.value - old.value
-        percent = 100.0 * step / abs(old.value) if old.value != 0.0 else math.nan
-        both[name] = Moved(step / new.se, percent)
+        if name in phases:
+            step = math.remainder(step, 2.0 * math.pi)
+        sized = old.value != 0.0 and name not in phases
+        percent = 100.0 * step / abs(old.value) if sized else math.nan
+        both[name] = Moved(step / new.se, percent, step)
     return both
 
 
 def describe(moves: Mapping[str, Moved]) -> dict[str, pages.Movement]:
     """Return movements as a document has them."""
-    return {name: {"by_se": move.by_se, "by_percent": move.by_percent} for name, move in moves.items()}
+    return {
+        name: {"by_se": move.by_se, "by_percent": move.by_percent, "by": move.by}
+        for name, move in moves.items()
+    }
 
 
 def document(fit: Fit) -> dict[str, Any]:
@@ -220,7 +240,7 @@ def in_words(fit: Fit) -> str:
     if why := worse(fit):
         lines.append(f"That made things no better: {', and '.join(why)}.")
     if fit.moved:
-        rows = [(name, f"{m.by_se:+.3g}", f"{m.by_percent:+.3g} %") for name, m in fit.moved.items()]
+        rows = [(name, f"{m.by_se:+.3g}", m.in_words(fit.params[name].unit)) for name, m in fit.moved.items()]
         lines.append(text_table(("parameter", "moved by (standard errors)", "of its old value"), rows))
     return "\n".join(lines)
 

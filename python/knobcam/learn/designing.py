@@ -20,12 +20,12 @@ from .contenders import contenders
 from .experiment import Change, Expected, Experiment, NoMotion, Sharpened
 from .limits import Limits
 from .motion_space import Piece, bank, changed, plan, standard
+from .showing_more import along, longest_s, show_more
 from .telling import TOLD, Rival, Telling, Told
 
 if TYPE_CHECKING:
     from ..capture.motion_plan import MotionPlan
     from ..capture.motions import MotionTrack
-    from ..model import Model
     from .learning import LearningResult
 
 STANDARD = ("sweep", "multisine", "turns", "hand")
@@ -68,18 +68,24 @@ def next_experiment(
     """Return the motion that would tell apart what was learned and what else it could be.
 
     `rivals` are sets of effects beyond the base model, each as names with `+` between (`base` for none); by
-    default those that the captures could not tell. Without any, or with `sharpen`, the motion is the one that
-    makes a parameter known best, by default the widest. `limits` are by default what the captures reached,
-    10 s long; the motion exceeds none of them for any rival. With `by_hand` it is one that a hand can make,
-    without a motor. The search ends when all rivals are told apart with a margin, after 500 motions, or, on a
-    slow machine, after `search_s` seconds; unless that cut it short, the same `seed` gives the same motion.
+    default those that the captures could not tell. Without any, where something is left that no effect
+    explains, the motion shows more of that; elsewhere, or with `sharpen`, it is the one that makes a
+    parameter known best, by default the widest. `limits` are by default what the captures reached, 10 s
+    long (120 s to show more); the motion exceeds none of them for any rival. With `by_hand` it is one that a
+    hand can make, without a motor. The search ends when all rivals are told apart with a margin, after 500
+    motions, or, on a slow machine, after `search_s` seconds; unless that cut it short, the same `seed` gives
+    the same motion.
     `between` is called before each motion that is weighed; what it raises ends the search.
 
     Raises InputError for rivals that cannot be fitted and limits within which no motion is.
     """
     begun = time.monotonic()
     tell = progress or (lambda _: None)
-    within = Limits.within(limits, story.fit.prepared)
+    axis = None if rivals or sharpen is not None else along(story)
+    within = Limits.within(limits, story.fit.prepared, longest_s(axis))
+    if axis is not None:
+        tell(SEARCH)
+        return show_more(story, axis, within, by_hand=by_hand)
     tell("fitting the rivals")
     found = contenders(story, rivals) if sharpen is None else ()
     tell(SEARCH)
@@ -147,7 +153,7 @@ class _Design:
                     f"sharpen={self.sharpen!r}: is no parameter that was fitted; known are {known}"
                 )
             return self.sharpen
-        phases = _phases(self.telling.rivals[0].fit.model)
+        phases = self.telling.rivals[0].fit.model.phases
         scale = {name: 1.0 if name in phases else max(abs(params[name].value), 1e-300) for name in core.free}
         return max(core.free, key=lambda name: params[name].se / scale[name])
 
@@ -378,16 +384,6 @@ class _Design:
                     shown = "theta_max_rad" if name == "theta" else name
                     return Change(shown, getattr(wider, shown), d)
         return None
-
-
-def _phases(model: Model) -> set[str]:
-    """Return the parameters that are phases, of which zero is a value like any other."""
-    catalogue = model.catalogue()
-    return {
-        name
-        for name, (effect, _, own) in ((name, name.partition(".")) for name in model.params)
-        if effect in catalogue and catalogue[effect].parameter(own).meaning.endswith("phase")
-    }
 
 
 def _best(scored: Sequence[_Scored]) -> list[tuple[Piece, ...]]:

@@ -7,13 +7,14 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..base import showing
-from ..base.said import OfParam, Said, joined, said
+from ..base.said import OfAxis, OfParam, Said, joined, said
 from ..base.tables import TextTable, text_table
 from ..capture.motion_plan import MotionPlan
 from ..capture.motions import MotionTrack
 from ..errors import InputError
 from .limits import Limits
 from .telling import TOLD, Rival, apart, wrong_choice
+from .to_record import TELLS
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -68,7 +69,8 @@ class NoMotion(InputError):
 class Experiment(showing.Tabled):
     """A motion, and what it is expected to tell; immutable.
 
-    `expected` has a row for each pair of rivals, `sharpened` one for each parameter that was asked for.
+    `expected` has a row for each pair of rivals, `sharpened` one for each parameter that was asked for;
+    `shows` is the axis of which it shows more, where something is left that no effect explains.
     `change` is the smallest change of the limits that would tell the rivals apart where the motion does not;
     None: none that was tried would.
     """
@@ -83,6 +85,7 @@ class Experiment(showing.Tabled):
     change: Change | None = None
     took_s: float = field(default=0.0, compare=False)
     left_out: tuple[Rival, ...] = ()
+    shows: str | None = None
 
     @property
     def separable(self) -> bool:
@@ -91,8 +94,8 @@ class Experiment(showing.Tabled):
 
     @property
     def useful(self) -> bool:
-        """Whether some of the rivals are told apart, or a parameter is known better."""
-        return self._sharper or any(one.d >= TOLD for one in self.expected)
+        """Whether some of the rivals are told apart, a parameter is known better, or the rest is."""
+        return self.shows is not None or self._sharper or any(one.d >= TOLD for one in self.expected)
 
     @property
     def _sharper(self) -> bool:
@@ -102,6 +105,9 @@ class Experiment(showing.Tabled):
     @property
     def promise(self) -> Said | None:
         """What the motion would tell, without how it moves; None where it tells nothing."""
+        if self.shows is not None:
+            more = "{seconds:.3g} s that show more of what is left along {axis}"
+            return said(more, seconds=self.seconds, axis=OfAxis(self.shows))
         if self.sharpened:
             one = self.sharpened[0]
             if not self._sharper:
@@ -144,7 +150,13 @@ class Experiment(showing.Tabled):
         """What the motion would tell, and how it moves, in a sentence."""
         promise = self.promise
         whole = promise and said("{promise}: {about}.", promise=promise, about=self.plan.about)
-        return joined(" ", (whole, self._as_usual, self.untold, self._left_out))
+        return joined(" ", (whole, self._tells, self._as_usual, self.untold, self._left_out))
+
+    @property
+    def _tells(self) -> str:
+        """What is to be seen in a motion that shows more of what has no name."""
+        tells = TELLS.get(self.shows or "", "")
+        return f"{tells[:1].upper()}{tells[1:]}." if tells else ""
 
     @property
     def _as_usual(self) -> str:
@@ -205,6 +217,7 @@ class Experiment(showing.Tabled):
             },
             "peak": {"torque_Nm": torque, "omega_rad_s": omega, "alpha_rad_s2": alpha},
             "left_out": [list(rival.effects) for rival in self.left_out],
+            "shows": self.shows,
             "headline": self.headline,
             "took_s": self.took_s,
         }
@@ -231,15 +244,15 @@ class Experiment(showing.Tabled):
 
     def __repr__(self) -> str:
         torque, omega, alpha = self.peak
-        at_most = self.limits
+        at_most, unit = self.limits, self.limits.unit
         head = self.SHARPENED if self.sharpened else self.HEAD
         return "\n".join(
             [
                 self.headline,
-                text_table(head, self.rows()),
-                f"At most {torque:.3g} N m (limit {at_most.torque_Nm:.3g}), {omega:.3g} rad/s "
-                f"({at_most.omega_rad_s:.3g}), {alpha:.3g} rad/s^2 ({at_most.alpha_rad_s2:.3g}), "
-                "for every rival.",
+                *([text_table(head, self.rows())] if self.rows() else []),
+                f"At most {torque:.3g} {self.rivals[0].fit.torque_unit} (limit {at_most.torque_Nm:.3g}), "
+                f"{omega:.3g} {unit}/s ({at_most.omega_rad_s:.3g}), {alpha:.3g} {unit}/s^2 "
+                f"({at_most.alpha_rad_s2:.3g}){', for every rival' if self.rivals[1:] else ''}.",
             ]
         )
 

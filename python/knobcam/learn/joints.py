@@ -10,7 +10,7 @@ import numpy as np
 
 from .. import _core
 from ..fit.absent import absent
-from ..fit.diagnose import Candidate, Diagnosis, diagnose
+from ..fit.diagnose import LEAST_P, Candidate, Diagnosis, diagnose
 from ..fit.plausible import implausible
 from ..fit.refit import converged, cores, gain
 from ..fit.rule import RULE
@@ -26,7 +26,6 @@ _SEEN = 1.0 / 3.0
 """Of what the torque's filter lets pass, up to where a joint is known by the frequency that it swings at."""
 
 _TRIES = 1e4  # more than a joint has starts
-_LEAST = 1e-3  # p-value that draws can tell
 
 
 def joints(coordinate: str) -> list[str]:
@@ -147,4 +146,4 @@ def chance(took: float, diagnosis: Diagnosis, count: int | None = None) -> float
         return less
     each = max(0.5 * took / count, 1.0)
     tail = math.pow(each * math.exp(1.0 - each), 0.5 * count)
-    return min(less, max(_TRIES * tail, _LEAST))
+    return min(less, max(_TRIES * tail, LEAST_P))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from ..base import showing
 from ..base.door import checked
-from ..base.said import OfEffect, Said, joined, said
+from ..base.said import OfEffect, Said, Stretch, joined, said
 from ..base.tables import TextTable, text_table
 from ..capture import Capture
 from ..fit import Fit
@@ -155,6 +155,12 @@ class LearningResult(showing.Tabled):
         return headline(self)
 
     @property
+    def left(self) -> Said:
+        """How large the error is in the end, and where it shows, unless the headline says where already."""
+        told = any(isinstance(part, Stretch) for part in self.headline.parts)
+        return self.after.size if told else self.after.summary
+
+    @property
     def record(self) -> str | None:
         """What to record next to see more of what no effect explains; None where nothing is left so."""
         return to_record(self)
@@ -219,6 +225,7 @@ class LearningResult(showing.Tabled):
             "lacks": [one._asdict() for one in self.limitations],  # its older name, for one version
             "disagreements": [one._asdict() for one in self.disagreements],
             "headline": self.headline,
+            "record": self.record,
             "warnings": list(self.fit.warnings),
             "cut": None if self.cut is None else self.cut._asdict(),
         }
@@ -255,7 +262,7 @@ class LearningResult(showing.Tabled):
     def __repr__(self) -> str:
         head = (self.head[0], "", *self.head[1:])
         rows = [(row[0], bar, *row[1:]) for row, bar in zip(self.rows(), self._bars(), strict=True)]
-        lines = [self.headline, text_table(head, rows), self.after.summary]
+        lines = [self.headline, text_table(head, rows), self.left]
         lines += [*self.model.sides, *in_words(self.fit.per_capture), *self.fit.warnings]
         if self.disagreements:
             lines.append("Where the captures disagree:")
@@ -264,6 +271,8 @@ class LearningResult(showing.Tabled):
             these = "these captures" if len(self.captures) > 1 else "this capture"
             lines.append(f"What {these} cannot tell:")
             lines += [f"  {one.message}; {one.record}." for one in self.limitations]
+        if self.record is not None:
+            lines.append(f"To see what it is, record {self.record}.")
         return "\n".join(lines)
 
     def _bars(self) -> list[str]:

@@ -64,7 +64,7 @@ class Limits:
             raise InputError(f"limits, sample_rate_hz: is {self.sample_rate_hz:.6g}; give 10 to 1e6")
 
     @classmethod
-    def reached(cls, prepared: Sequence[Prepared]) -> Limits:
+    def reached(cls, prepared: Sequence[Prepared], duration_s: float = LONGEST_S) -> Limits:
         """Return what captures themselves reached, 10 s long, at the rate of the first."""
 
         def most(name: str) -> float:
@@ -79,6 +79,7 @@ class Limits:
             most("alpha"),
             float(np.min(theta)),
             float(np.max(theta)),
+            duration_s=duration_s,
             sample_rate_hz=prepared[0].core.rate_hz,
             coordinate=prepared[0].capture.coordinate,
         )
@@ -109,11 +110,16 @@ class Limits:
             raise InputError(f"{where}{str(error).removeprefix('limits, ')}") from None
 
     @classmethod
-    def within(cls, given: Limits | str | os.PathLike[str] | None, prepared: Sequence[Prepared]) -> Limits:
+    def within(
+        cls,
+        given: Limits | str | os.PathLike[str] | None,
+        prepared: Sequence[Prepared],
+        duration_s: float = LONGEST_S,
+    ) -> Limits:
         """Return limits that are given, as they are or in a file, beside what captures reached."""
         if isinstance(given, Limits):
             return given
-        usual = cls.reached(prepared)
+        usual = cls.reached(prepared, duration_s)
         return usual if given is None else cls.load(given, usual)
 
     @property

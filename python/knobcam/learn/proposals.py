@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from ..base.showing import Figure
     from ..fit import Estimate, Fit
 
+_LEAST_P = 0.005  # which is all that the 199 draws of a proposal can tell
 _NEEDS = 4  # that are said
 
 
@@ -139,7 +140,7 @@ class Proposals(showing.Tabled):
             left=number(first.rmse, unit),
             before=number(self.beside.rmse, unit),
             noise=number(self.beside.noise_floor, unit),
-            chance=p_in_words(self.p_value),
+            chance=p_in_words(self.p_value, _LEAST_P),
         )
 
     @cached_property

@@ -27,7 +27,7 @@ class ParameterInfo(NamedTuple):
     """A parameter as the catalogue has it; bounds and neutral value in SI.
 
     One with `where_paid` stays at its neutral value until the data pay for another: real ones differ from
-    that by so much, a standard deviation.
+    that by so much, a standard deviation. A `phase` is an angle of which zero is a value like any other.
     """
 
     name: str
@@ -38,6 +38,7 @@ class ParameterInfo(NamedTuple):
     plausible: tuple[float, float]
     where_paid: float | None
     meaning: str
+    phase: bool = False
 
 
 Over = Literal["position", "velocity", "acceleration", "time", "torque", "reversal", "several"]

@@ -168,6 +168,15 @@ class Model(showing.Tabled):
         return {row[0]: Parameter(*row) for row in self.core.rows()}
 
     @property
+    def phases(self) -> frozenset[str]:
+        """The parameters that are phases: angles of which zero is a value like any other."""
+        rows = self.catalogue()
+        split = {name: name.partition(".") for name in self.params}
+        return frozenset(
+            name for name, (effect, _, own) in split.items() if rows[effect].parameter(own).phase
+        )
+
+    @property
     def fitted_to(self) -> tuple[str, ...]:
         """The captures that its values come from, name and fingerprint each; none where nobody said."""
         return tuple(self.core.fitted_to)

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from .._core import __version__
 from ..base.writing import write as write_file
+from ..fit.diagnose import LEAST_P
 from ..fit.doubts import unsettled
 from ..fit.estimate import rows_of
 from ..fit.refit import percent
@@ -27,6 +28,7 @@ from .samples import steps
 from .words import (
     and_words,
     axis_word,
+    bound_word,
     effect_word,
     or_words,
     param_word,
@@ -221,7 +223,7 @@ def _on_sheet(learned: LearningResult) -> str:
 
 
 def _worded(rows: Iterable[Sequence[str]], kind: str) -> list[tuple[str, ...]]:
-    return [tuple(_MINUS.sub("−", worded(cell, kind)) for cell in row) for row in rows]
+    return [tuple(_MINUS.sub("−", bound_word(worded(cell, kind))) for cell in row) for row in rows]
 
 
 def _evidence(step: LearningStep, kind: str) -> str:
@@ -236,15 +238,14 @@ def _evidence(step: LearningStep, kind: str) -> str:
 
 
 def _chances(p_value: float) -> str:
-    # The draws that it was tried on tell no less.
-    return "at most one capture of 1000" if p_value <= 0.001 else f"{100.0 * p_value:.2g} captures of 100"
+    return "at most one capture of 1000" if p_value <= LEAST_P else f"{100.0 * p_value:.2g} captures of 100"
 
 
 def _why(learned: LearningResult) -> str:
     said = "Where the first model failed: the residual along every axis, beside the band of chance."
     return "\n".join(
         [
-            paragraph(f"The first model: {learned.before.summary}"),
+            paragraph(f"The first model: {worded(learned.before.summary, learned.model.coordinate)}"),
             figure(learned.before.plot(), said),
             wide_table("The error ladder", learned.head, _worded(learned.rows(), learned.model.coordinate)),
         ]
@@ -300,7 +301,7 @@ def _weighed(diagnosis: Diagnosis) -> str:
 
 
 def _remains(learned: LearningResult) -> str:
-    parts = [paragraph(learned.after.summary)]
+    parts = [paragraph(worded(learned.left, learned.model.coordinate))]
     if learned.unexplained is not None:
         parts.append(paragraph(f"Unexplained: {_unexplained(learned)}"))
     said = "Where the last model fails: the residual along every axis, beside the band of chance."

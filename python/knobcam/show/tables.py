@@ -19,7 +19,7 @@ def html_table(caption: str, head: Sequence[str], rows: Rows) -> str:
     if not head:
         return _table(caption, "".join(_fact(*cells) for cells in rows))
     body = "".join(_row(cells, "td") for cells in rows)
-    return _table(caption, _row(head, "th") + body)
+    return _table(caption, f"<thead>{_row(head, 'th')}</thead><tbody>{body}</tbody>")
 
 
 def html(tables: Sequence[TextTable]) -> str:

@@ -6,6 +6,7 @@ import re
 from typing import TYPE_CHECKING
 
 from ..base.said import OfAxis, OfEffect, OfParam, Said
+from ..fit.diagnose import LEAST_P, p_in_words
 from ..model.effects import effects
 
 if TYPE_CHECKING:
@@ -66,8 +67,13 @@ def unit_word(unit: str) -> str:
 
 
 def p_word(p_value: float, digits: str) -> str:
-    """Return a p-value with so many digits; none below the least that the draws it was tried on can tell."""
-    return "p ≤ 0.001" if p_value <= 0.001 else f"p = {p_value:{digits}}"
+    """Return a p-value with so many digits; a bound where it is no more than one."""
+    return f"p {bound_word(p_in_words(p_value))}" if p_value <= LEAST_P else f"p = {p_value:{digits}}"
+
+
+def bound_word(text: str) -> str:
+    """Return text with the sign of a bound as a person writes it."""
+    return text.replace("<= ", "≤\u00a0").replace("> ", ">\u00a0")
 
 
 def worded(said: str, coordinate: str) -> str:

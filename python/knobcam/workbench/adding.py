@@ -12,7 +12,7 @@ from ..learn import LearningResult
 from ..learn.cut import Deadline
 from ..learn.selection import retested, select
 from ..model.effects import base_effects_shown
-from .learned import learned
+from .learned import in_vain, ladder, learned
 from .tree import Node
 
 if TYPE_CHECKING:
@@ -62,6 +62,20 @@ def unasked(session: Session, effect: str, fit: Fit) -> list[str]:
         for one in base_effects_shown(fit.model.coordinate)
         if one in fit.model.effects and one not in asked
     ]
+
+
+def needless(session: Session, node: Node) -> list[str]:
+    """Return what somebody added before and what came in since does as well: `learn` takes it out again.
+
+    What took off too little from the first is none of it, for that is said.
+    """
+    done, fit = session.branch.done, node.fit
+    if done[-1] is not node or node.rung is not None or not fit.noise_floor > 0.0:
+        return []
+    there = [one for one in ladder(done)[:-1] if one.added in fit.model.effects]
+    came = [one.added for one in there if one.added and one.added != node.effect]
+    vain = in_vain(ladder(done))
+    return list(retested(fit, [one for one in came if one not in vain])[1])
 
 
 class _Heard(Deadline):

@@ -16,6 +16,7 @@ from ..fit.rule import RULE
 from ..learn.designing import SEARCH, next_experiment
 from ..learn.experiment import Change
 from ..learn.limits import Limits
+from ..learn.showing_more import along, longest_s
 from ..learn.telling import TOLD, Telling, apart, wrong_choice
 from ..model import Model
 from ..model.simulate import exact
@@ -195,11 +196,13 @@ def designed(
 ) -> Designed:
     """Return the motion that would tell models with each of these effects apart.
 
-    Of none: what the captures could not tell, and where they told everything, the motion that makes the
-    parameter known best which is known least.
+    Of none: what the captures could not tell; where something is left that has no name, the motion that shows
+    more of that, and where they told everything, the one that makes the parameter known best which is known
+    least.
     """
     tell("fitting the rivals")
-    within = Limits.reached(story.fit.prepared).with_some(limits)
+    axis = None if names else along(story)
+    within = Limits.reached(story.fit.prepared, longest_s(axis)).with_some(limits)
     found = next_experiment(
         story,
         rivals=rivals(story, names),
@@ -215,7 +218,7 @@ def _kept(found: Experiment, node: str) -> Designed:
     return Designed(
         "",
         node,
-        apart(found.rivals),
+        (Said("the model as it is"),) if found.shows else apart(found.rivals),
         tuple(one.fit.model for one in found.rivals),
         found.plan,
         found.limits,
@@ -235,6 +238,8 @@ def came(
     """Return it with what a recording of the motion told: every rival is fitted to it and to all before."""
     if kept.known is not None:
         return _sharper(kept, kept.known, captures, name, options, tell)
+    if len(kept.names) == 1:
+        return _seen(kept, captures, name, options, tell)
     left, params, fits = [], [], []
     for rival, model in zip(kept.names, kept.models, strict=True):
         tell(f"fitting {rival} to all")
@@ -271,6 +276,15 @@ def came(
         verdict = said(whole, verdict=verdict)
     right = None if tied or lacking else best
     return replace(kept, pairs=pairs, capture=name, verdict=verdict, right=right)
+
+
+def _seen(
+    kept: Designed, captures: Sequence[Capture], name: str, options: Mapping[str, Any], tell: Tell
+) -> Designed:
+    """Return a motion that was to show more of what is left with what that is of all captures now."""
+    tell("fitting all")
+    now = fit(captures, kept.models[0], **options).compare()
+    return replace(kept, capture=name, verdict=said("With it: {now}", now=now.summary))
 
 
 def _sharper(

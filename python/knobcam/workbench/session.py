@@ -58,6 +58,7 @@ class Session:
         self._views: dict[str, View] = {}
         self.diagnoses: dict[str, Diagnosis] = {}
         self.disagreed: dict[str, tuple[Disagreement, ...]] = {}
+        self.needless: dict[str, list[str]] = {}  # of each node, see adding.needless
         self.searched: dict[str, LearningResult] = {}  # of the nodes at which a search for everything ended
         self.designs: dict[str, Designed] = {}
         self.proposals: dict[str, Proposals] = {}
@@ -247,6 +248,7 @@ class Session:
         # Computed here, where nobody waits for it.
         _ = diagnosis.comparison.summary
         self.disagreed[node.id] = disagreements(node.fit)
+        self.needless[node.id] = adding.needless(self, node)
         self.diagnoses[node.id] = diagnosis  # whoever comes back to the node has it, wanted now or not
         with self.lock:
             self.touched()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from ..base import pages
 from ..base.remembered import remembered
-from ..base.said import OfEffect, OfParam, Said, Stretch, joined, said
+from ..base.said import OfEffect, OfParam, Said, joined, said
 from ..errors import InputError
 from ..fit.doubts import may_be_nothing, unsettled
 from ..fit.plausible import out_of_range
@@ -17,6 +17,7 @@ from ..learn import LearningResult
 from ..learn.contenders import untold_of_each
 from ..learn.limitations import limitations
 from ..learn.limits import Limits
+from ..learn.showing_more import along, longest_s
 from ..model.effects import base_effects, base_effects_shown, effects, titles
 from ..show.samples import below_hz, candidates, peak
 from . import proposing, ruling, surface
@@ -56,12 +57,14 @@ def document(session: Session) -> pages.Session:
         foreign = session.laws_of_others(branch.node)
         searched = session.searched.get(branch.node.id)
         disagreed = session.disagreed.get(branch.node.id, ())
+        needless = session.needless.get(branch.node.id, [])
     fitted = view.fit
     told = _said(fitted)
     steps = ladder(branch.done)
     story = searched or _end(steps, diagnosis)
     left = None if story is None else story.unexplained
     headline = None if story is None else story.headline
+    shown_along = None if story is None else along(story)
     return {
         **known,
         "captures": [_capture(one, fitted, view.node.captures) for one in open_ones(session)],
@@ -80,9 +83,10 @@ def document(session: Session) -> pages.Session:
         "concluded": [] if headline is None else headline.document(),
         "searched": searched is not None,
         "verdict": _verdict(
-            steps, diagnosis or (None if searched is None else searched.weighed), headline
+            steps, diagnosis or (None if searched is None else searched.weighed), story
         ).document(),
         "record": None if story is None else story.record,
+        "shown_along": shown_along,
         "carried": [
             {
                 "added": step.added,
@@ -107,11 +111,13 @@ def document(session: Session) -> pages.Session:
         "titles": titles(fitted.model.coordinate),
         "absent": [one for one in told.absent if one["effect"] not in foreign],
         "untold": [[added, *others] for added, others in untold_of_each(steps).items()],
+        "needless": needless,
         "proposed": proposing.document(laws),
         "proposed_said": proposing.headline(laws),
         "curve": proposing.curve(laws),
         "surface": surface.document(laws),
-        "limits": told.limits,
+        # For as long as a motion takes at most here that is for nothing that is typed.
+        "limits": told.limits and told.limits | {"duration_s": longest_s(shown_along)},
         "experiment": None if shown is None else shown.document(_source(session, shown)),
     }
 
@@ -194,6 +200,7 @@ def _nothing(session: Session) -> pages.Session:
         "searched": False,
         "verdict": ["Open a capture to begin."],
         "record": None,
+        "shown_along": None,
         "carried": [],
         "ladder": [],
         "candidates": {"ready": False, "rows": [], "unexplained": None, "left_out": {}},
@@ -203,6 +210,7 @@ def _nothing(session: Session) -> pages.Session:
         "titles": {},
         "absent": [],
         "untold": [],
+        "needless": [],
         "proposed": None,
         "proposed_said": [],
         "curve": None,
@@ -335,23 +343,21 @@ def _added(steps: list[LearningStep], headline: Said | None) -> list[str]:
     return [one for one in came if one is not None and one not in named]
 
 
-def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, headline: Said | None) -> Said:
+def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, story: LearningResult | None) -> Said:
     """Return what is said beside what is concluded."""
     vain = _in_vain(in_vain(steps))
     if diagnosis is None:
         return joined(" ", (vain, "What could be missing is not weighed yet."))
     compared, beyond = diagnosis.comparison, diagnosis.fit.beyond
-    if headline is None:  # what is missing the page says first, of the candidates
+    if story is None:  # what is missing the page says first, of the candidates
         # Chance may explain the error as a whole, and an effect still a part of it: not both is said.
         size = said("{error}.", error=compared.error) if compared.complete else compared.summary
         return joined(" ", (vain, size, beyond and beyond.sentence))
-    # Where it is worst is said once.
-    told = any(isinstance(part, Stretch) for part in headline.parts)
     # An error like chance's is no proof of a model that no knob can have.
     warned = diagnosis.fit.warnings if compared.complete else ()
     against = joined("; ", _said_once(warned)) if warned else ""
     but = said("But {warnings}.", warnings=against) if against else ""
-    return joined(" ", (vain, compared.size if told else compared.summary, but))
+    return joined(" ", (vain, story.left, but))
 
 
 def _said_once(warnings: Sequence[str]) -> list[str]:

@@ -22,13 +22,13 @@ _LEAST_D = 0.1  # where the axis of D begins
 @styled
 def experiment(experiment: Experiment) -> Picture:
     """Angle and speed within their limits, the rivals' torques, and D beside that of the standard motions."""
-    figure = Picture(8.5, 7.4, plain(experiment.headline, 400))
-    grid = figure.add_gridspec(2, 1, height_ratios=[3.0, 1.0])
+    tells = bool(experiment.rows())
+    figure = Picture(8.5, 7.4 if tells else 5.6, plain(experiment.headline, 400))
+    grid = figure.add_gridspec(1 + tells, 1, height_ratios=[3.0, 1.0][: 1 + tells])
     inner = grid[0].subgridspec(3, 1)
     axes = [figure.add_subplot(inner[0])]
     axes += [figure.add_subplot(inner[row], sharex=axes[0]) for row in (1, 2)]
-    linear = experiment.rivals[0].fit.model.coordinate == "linear"
-    unit, force = ("m", "N") if linear else ("rad", "N m")
+    unit, force = experiment.limits.unit, experiment.rivals[0].fit.torque_unit
     limits, track = experiment.limits, experiment.track
     _within(axes[0], track.t, track.theta, (limits.theta_min_rad, limits.theta_max_rad), f"angle ({unit})")
     _within(axes[1], track.t, track.omega, (-limits.omega_rad_s, limits.omega_rad_s), f"speed ({unit}/s)")
@@ -36,11 +36,10 @@ def experiment(experiment: Experiment) -> Picture:
     for axis in axes[:2]:
         axis.tick_params(labelbottom=False)
     axes[2].set_xlabel("time (s)")
-    last = figure.add_subplot(grid[1])
     if experiment.sharpened:
-        _sharpened(last, experiment)
-    else:
-        _told(last, experiment)
+        _sharpened(figure.add_subplot(grid[1]), experiment)
+    elif tells:
+        _told(figure.add_subplot(grid[1]), experiment)
     return figure
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from ..words import effect_word, param_word
+from ..words import effect_word, param_word, unit_word
 from .ladder import title
 from .style import BAND, BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILLION, Picture, legend_below, plain, styled
 
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
 
+    from ...fit.refit import Moved
     from ...learn import LearningResult
     from ...learn.ladder import LearningStep
 
@@ -45,8 +46,8 @@ def draw_movements(axes: Axes, learned: LearningResult) -> None:
         color = _COLORS[i % len(_COLORS)]
         label = f"+ {plain(effect_word(step.added or '', kind), 30)}"
         axes.barh(rows, moved, height=0.9 * width, color=color, lw=0, label=label)
-        for row, move in zip(rows, moves.values(), strict=True):
-            _say(axes, row, move.by_se, move.by_percent)
+        for row, (name, move) in zip(rows, moves.items(), strict=True):
+            _say(axes, row, move, learned.params[name].unit if name in learned.params else "")
         reach = max([reach, *map(abs, moved)])
     axes.axvspan(-_USUAL, _USUAL, color=BAND, alpha=0.3, lw=0, zorder=0.5)
     axes.axvline(0.0, color=BLACK, lw=0.8)
@@ -72,16 +73,18 @@ def plotted(ladder: Sequence[LearningStep]) -> list[str]:
     return [name for name in ladder[0].params if not came or any(name in step.moved for step in came)]
 
 
-def _say(axes: Axes, row: float, step: float, percent: float) -> None:
-    """Write the change in percent at the end of a bar that leaves the band."""
-    if abs(step) <= _USUAL or not math.isfinite(percent):
+def _say(axes: Axes, row: float, move: Moved, unit: str) -> None:
+    """Write the change at the end of a bar that leaves the band: in percent, or in the unit of a phase."""
+    if abs(move.by_se) <= _USUAL:
         return
-    side = 1 if step > 0.0 else -1
-    words = f"{percent:+,.0f} %" if abs(percent) >= 100.0 else f"{percent:+.3g} %"
-    words = words.replace("-", "−")
+    side = 1 if move.by_se > 0.0 else -1
+    words = f"{move.by:+.2g} {unit_word(unit)}"
+    if not move.sizeless:
+        percent = move.by_percent
+        words = f"{percent:+,.0f} %" if abs(percent) >= 100.0 else f"{percent:+.3g} %"
     axes.annotate(
-        words,
-        (step, row),
+        words.replace("-", "−"),
+        (move.by_se, row),
         (4 * side, 0),
         textcoords="offset points",
         ha="left" if side > 0 else "right",

@@ -604,7 +604,7 @@ var WAYS = {
   command: ""
 };
 function wordsOfPart(part, about2) {
-  if (typeof part === "string") return part.replaceAll(/(?<=^|[\s(])-(?=\d)/g, "−");
+  if (typeof part === "string") return part.replaceAll(/(?<=^|[\s(])-(?=\d)/g, "−").replaceAll("<=", "≤");
   if ("text" in part) return measured(part, about2);
   if ("low" in part) return stretch(part, about2);
   if ("along" in part) return axisWord(part.along, about2.unit);
@@ -1060,10 +1060,13 @@ function element([tag, attributes, ...children]) {
 }
 
 // src/untold.js
-function insteadOf({ candidates, record, untold }) {
-  if (untold.length > 0) return "";
+function insteadOf({ candidates, record, shown_along: along, untold }) {
+  if (untold.length > 0 && along === null) return "";
   if (candidates.rows.some(({ could_be: could }) => could)) return "What to record next is known once what is missing is in the model.";
   return record ? `What to record next, to see what it is: ${record}.` : "";
+}
+function waitsFor(state) {
+  return insteadOf(state) !== "" && state.shown_along === null;
 }
 function alikeOf({ candidates, untold }) {
   const first = untold.length > 0 ? void 0 : candidates.rows.find(({ could_be: could }) => could);
@@ -1077,7 +1080,7 @@ function boundsButton(effects, bounds, whose) {
   const title = "the limits of your rig, within which it is designed";
   return make("button", { type: "button", text: "Limits…", title, "aria-label": `Limits… ${whose}`, on: { click: () => bounds(effects) } });
 }
-function showUntold(place4, { untold }, apart2) {
+function showUntold(place4, { untold, needless }, apart2, drop) {
   const rows = untold.map(
     (effects) => make(
       "li",
@@ -1089,7 +1092,12 @@ function showUntold(place4, { untold }, apart2) {
       apartButton(effects, apart2)
     )
   );
-  place4.replaceChildren(...rows);
+  const out = needless.map((effect) => {
+    const click = () => drop(effect);
+    const button = make("button", { type: "button", text: "Take it out", "aria-label": `Take out ${titleOf(effect)}`, on: { click } });
+    return make("li", {}, ...listed([effect], ""), " is needless by now: what came in since does the same. ", button);
+  });
+  place4.replaceChildren(...rows, ...out);
 }
 
 // src/candidates.js
@@ -4469,7 +4477,7 @@ var FLAT = 0.2;
 var Next = class {
   /**
    * @param {{store: import("./store.js").Store, design: (body: object) => Promise<unknown>,
-   *   recording: () => void, where: () => number | null, made: () => void, failed: (reason: unknown) => void}} deeds
+   *   recording: () => void, where: () => number | null, made: () => void, drop: (effect: string) => void, failed: (reason: unknown) => void}} deeds
    */
   constructor(deeds) {
     this.deeds = deeds;
@@ -4524,7 +4532,7 @@ var Next = class {
   }
   /** Whether there is nothing yet that a motion could be designed for. */
   get waits() {
-    return this.state !== null && this.told === null && this.asked.length === 0 && insteadOf(this.state) !== "";
+    return this.state !== null && this.told === null && this.asked.length === 0 && waitsFor(this.state);
   }
   /**
    * Design a motion for effects, and show it; for none: for what is known least. Where none is within the limits, they
@@ -4587,12 +4595,13 @@ var Next = class {
   show(state) {
     if (this.state?.node !== state.node) this.effects = void 0;
     this.state = state;
-    showUntold(byId("untold"), state, (effects) => this.design(effects));
+    showUntold(byId("untold"), state, (effects) => this.design(effects), this.deeds.drop);
     const { experiment, node, recording, candidates } = state;
     byId("next-line").hidden = experiment === null && !(candidates.ready && node !== null);
-    byId("next-show").textContent = experiment ? "Next experiment…" : "What to record next…";
     const instead = experiment === null ? insteadOf(state) : "";
-    byId("next-show").hidden = instead !== "";
+    byId("next-show").textContent = experiment ? "Next experiment…" : instead ? "Design that motion…" : "What to record next…";
+    byId("next-show").hidden = experiment === null && waitsFor(state);
+    byId("next-bounds").hidden = experiment === null && state.record !== null && waitsFor(state);
     byId("next").classList.toggle("without", experiment === null);
     if (node === null) byId("next").hidden = true;
     this.within.show(state);
@@ -5308,7 +5317,7 @@ var App = class {
       },
       recording: () => this.live?.follow(),
       where: () => this.live?.angle ?? null,
-      made: () => this.refresh(Infinity),
+      ...{ made: () => this.refresh(Infinity), drop: (effect) => void this.ask("drop", { effect }, "drop") },
       failed: (reason2) => this.failed(reason2)
     });
   }
