@@ -13,7 +13,7 @@ from known import BASE, SAMPLES, Known, climbed, comparison, estimate, split
 import knobcam as kc
 from knobcam.fit import refit, verdict
 from knobcam.fit.rule import RULE
-from knobcam.learn import exchanged, joined, selection
+from knobcam.learn import earlier, exchanged, joined, selection
 from knobcam.learn.cut import Cut
 from knobcam.learn.ladder import LearningStep, Unexplained
 from knobcam.learn.learning import LearningResult
@@ -213,11 +213,11 @@ def test_maps_of_position_together_name_no_cause(monkeypatch: pytest.MonkeyPatch
 
 def test_what_is_no_longer_needed_goes_and_what_is_stays(monkeypatch: pytest.MonkeyPatch):
     followed: list[Any] = []
-    monkeypatch.setattr(selection, "drop", lambda fit, effect: fit.drop(effect))
-    monkeypatch.setattr(selection, "converged", lambda fit: followed.append(fit) or fit)
+    monkeypatch.setattr(earlier, "drop", lambda fit, effect: fit.drop(effect))
+    monkeypatch.setattr(earlier, "converged", lambda fit: followed.append(fit) or fit)
     helps = {"stribeck": 0.2, "offset": 1e-4, "unbalance": 0.1}
     fit = Known(1.0, (*BASE, *helps), helps=helps)
-    left, gone = selection.retested(fit, ["stribeck", "offset", "unbalance", "backlash"])
+    left, gone = earlier.retested(fit, ["stribeck", "offset", "unbalance", "backlash"])
     assert gone == ("offset",) and left.effects == (*BASE, "stribeck", "unbalance")
     # Of what is worth far too much to go a sketch tells, and no fit without it is followed to its end.
     assert followed and all("offset" not in one.effects for one in followed)
@@ -225,24 +225,24 @@ def test_what_is_no_longer_needed_goes_and_what_is_stays(monkeypatch: pytest.Mon
 
 def test_what_only_led_a_joint_to_a_better_end_is_left_out_again(monkeypatch: pytest.MonkeyPatch):
     followed: list[Known] = []
-    monkeypatch.setattr(selection, "drop", Known.drop)
-    monkeypatch.setattr(selection, "converged", lambda bare: followed.append(bare) or bare)
+    monkeypatch.setattr(earlier, "drop", Known.drop)
+    monkeypatch.setattr(earlier, "converged", lambda bare: followed.append(bare) or bare)
 
     def of(place: str) -> Any:
         return SimpleNamespace(effect="offset", place=place)
 
     fit = Known(2.0, (*BASE, "backlash"), before="what was before")
     helped = Known(1.0, (*BASE, "backlash", "offset"), fit, {"offset": 1e-4})
-    bare = selection.without_help(helped, of("load"), fit)
+    bare = earlier.without_help(helped, of("load"), fit)
     assert bare is not None and bare.effects == fit.effects and bare.before == "what was before"
     needed = Known(1.0, (*BASE, "backlash", "offset"), fit, {"offset": 0.1})
     little = Known(2.0 * (1.0 - 0.5 * RULE.helped), (*BASE, "backlash", "offset"), fit)
     rigid = Known(1.0, (*BASE, "offset"), fit)
     # A sketch without it is so much worse that none is followed to its end.
-    assert selection.without_help(needed, of("load"), fit) is None and len(followed) == 1
-    assert selection.without_help(little, of("load"), fit) is None
-    assert selection.without_help(helped, of("coupling"), fit) is None
-    assert selection.without_help(rigid, of("load"), Known(2.0)) is None
+    assert earlier.without_help(needed, of("load"), fit) is None and len(followed) == 1
+    assert earlier.without_help(little, of("load"), fit) is None
+    assert earlier.without_help(helped, of("coupling"), fit) is None
+    assert earlier.without_help(rigid, of("load"), Known(2.0)) is None
 
 
 def test_what_came_in_beside_no_joint_is_what_a_set_is_held_against():

@@ -17,7 +17,7 @@ from knobcam.fit.beyond import Beyond
 from knobcam.fit.diagnose import Diagnosis
 from knobcam.fit.forward import Forward, ForwardRun
 from knobcam.fit.rule import RULE
-from knobcam.learn import exchanged, headline, proposing, selection
+from knobcam.learn import earlier, exchanged, headline, proposing, selection
 from knobcam.learn.ladder import LearningStep, Unexplained
 from knobcam.learn.learning import LearningResult
 from knobcam.learn.proposals import Proposal, Proposals
@@ -194,13 +194,13 @@ def test_of_what_is_looked_for_anew_and_what_goes(monkeypatch: pytest.MonkeyPatc
                 steps: Any = [SimpleNamespace(fit=last)] * 2
                 again = exchanged.anew(steps, SimpleNamespace(complete=complete), lambda _: None)  # type: ignore[arg-type]
                 told.put(f"{share} of {count}", [again is not None, again.rmse if again else 0.0])
-    monkeypatch.setattr(selection, "needed", lambda *_: False)
-    monkeypatch.setattr(selection, "drop", lambda fit, effect: fit.drop(effect))
-    monkeypatch.setattr(selection, "converged", lambda fit: fit)
+    monkeypatch.setattr(earlier, "needed", lambda *_: False)
+    monkeypatch.setattr(earlier, "drop", lambda fit, effect: fit.drop(effect))
+    monkeypatch.setattr(earlier, "converged", lambda fit: fit)
     for _ in range(40):
         needless = {effect: bool(rng.random() < 0.5) for effect in EFFECTS}
-        monkeypatch.setattr(selection, "needless", lambda fit, other, known=needless: known[gone(fit, other)])
-        kept, dropped = selection.retested(of(EFFECTS[: int(rng.integers(1, 5))]), [*EFFECTS, "offset"])
+        monkeypatch.setattr(earlier, "needless", lambda fit, other, known=needless: known[gone(fit, other)])
+        kept, dropped = earlier.retested(of(EFFECTS[: int(rng.integers(1, 5))]), [*EFFECTS, "offset"])
         told.put("kept", [*kept.model.effects, "without", *dropped])
     told.done()
 

@@ -12,7 +12,7 @@ from small import COUPLINGS
 
 import knobcam as kc
 from knobcam.fit.refit import gain, needed
-from knobcam.learn import selection
+from knobcam.learn import earlier
 from knobcam.learn.limitations import limitations
 
 
@@ -101,7 +101,7 @@ def test_a_harmonic_of_many_detents_and_an_unbalance_are_told_apart() -> None:
 
 def test_an_effect_that_is_gone_already_is_not_tested_again(capture: kc.Capture) -> None:
     bare = kc.fit(capture, detents="no").drop("viscous")
-    fit, dropped = selection.retested(bare, ["detent", "viscous"])
+    fit, dropped = earlier.retested(bare, ["detent", "viscous"])
     assert fit is bare and dropped == ()
 
 

@@ -55,6 +55,8 @@ pub struct Signals {
     pub stuck: Vec<Range<usize>>,
     /// Rows that were not measured, where straight lines stand for them.
     pub bridges: Vec<Range<usize>>,
+    /// Stretches that do not count because a knob knocks there, which is no noise either.
+    pub knocks: Vec<Range<usize>>,
     /// The measurement filter; the model's torque passes through it too. None: no filter.
     pub filter: Option<ZeroPhase>,
     /// Steps per sample of a motion that is simulated; at least one.
@@ -95,6 +97,15 @@ impl pulp::NullaryFnOnce for Positive<'_> {
 }
 
 impl Signals {
+    /// The same without what these stretches tell of the knob and of the noise.
+    pub fn without_knocks(&self, knocks: Vec<Range<usize>>) -> Self {
+        let mut fewer = self.clone();
+        for knock in &knocks {
+            fewer.weight[knock.clone()].fill(0.0);
+        }
+        Self { knocks, ..fewer }
+    }
+
     /// The same torque beside the motion of an instant that is so much later, s, up to a row: what is logged of a command
     /// that acts later. The noise of the torque is left as it is.
     pub fn later(&self, delay_s: f64) -> Self {

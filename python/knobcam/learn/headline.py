@@ -11,6 +11,7 @@ from ..fit.coarse import within_rounding
 from ..fit.doubts import log_in_doubt
 from ..fit.uncounted import tells_nothing
 from ..fit.verdict import explained
+from .knocks import KNOCK
 from .ties import with_ties
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 def headline(story: LearningResult) -> Said:
     """Return the verdict in a sentence, and in others what it may be wrong by and what was left out of it."""
     beyond = story.fit.beyond
-    return joined(" ", (_judged(story), _in_doubt(story), beyond and beyond.sentence))
+    return joined(" ", (_judged(story), _in_doubt(story), beyond and beyond.sentence, _uncounted(story)))
 
 
 def _in_doubt(story: LearningResult) -> str:
@@ -36,6 +37,16 @@ def _in_doubt(story: LearningResult) -> str:
         return ""
     doubt = log_in_doubt(fit)
     return f"Beside that {doubt}." if doubt else ""
+
+
+def _uncounted(story: LearningResult) -> str:
+    """What share of the captures says nothing, because a play knocks there as no model tells."""
+    captures = story.fit.prepared
+    knocks = sum(found.count for one in captures for found in one.findings if found.kind == KNOCK)
+    if not knocks:
+        return ""
+    share = 100.0 * knocks / (knocks + sum(int(one.used.sum()) for one in captures))
+    return f"What shows in its knocks alone, {share:.0f} % of what was measured, is not counted."
 
 
 def _judged(story: LearningResult) -> Said:

@@ -14,15 +14,17 @@ from ..fit.absent import absent
 from ..fit.diagnose import Candidate, Diagnosis, diagnose, worth_adding
 from ..fit.doubts import at_bounds
 from ..fit.plausible import columns_at_fault, filtered_off, friction_drives
-from ..fit.refit import converged, drop, gain, needed, needless, with_clipped
+from ..fit.refit import converged, drop, gain, with_clipped
 from ..fit.rule import RULE
 from ..fit.uncounted import tells_nothing
 from ..fit.verdict import CHOSEN, judged, within_law
 from ..model.effects import base_effects_shown, clipping, descriptions
 from .cut import Cut, Deadline, OutOfTime
+from .earlier import retested, without_help
 from .exchanged import anew, exchanged, straightened, with_detents, with_other_detents
 from .joined import chance_of, joined, rejoined
-from .joints import followed_to, overlooked
+from .joints import followed_to, joints, overlooked
+from .knocks import beside_play, knocking, quiet, with_play
 from .ladder import LearningStep, Unexplained, first_weighed
 from .limitations import width
 from .loosened import loosened
@@ -75,6 +77,19 @@ def select(
             begun = [ladder[0], start]
             again = _grown(begun, without, tell, deadline, given=given, detents=detents)
             grown = again if again.unexplained is None else grown
+        if grown.unexplained is not None and (knocks := knocking(grown.ladder, grown.last)) is not None:
+            tell(said("weighing what could be missing between the knocks of {it}", it=OfEffect(knocks.joint)))
+            rigid = quiet(knocks, ladder[0].fit)
+            begun, beside = [rigid], {*without, *joints(coordinate)}
+            again = _grown(begun, beside, tell, deadline, given=given, detents=detents)
+            if again.unexplained is None and (steps := with_play(knocks, again.ladder)) is not None:
+                base = _nothing_to_find(first, given=given)
+                again = concluded(steps, diagnose(steps[-1].fit, only=()), base)
+            else:
+                begun = [rigid, beside_play(knocks, rigid)]
+                again = _grown(begun, without, tell, deadline, given=given, detents=detents)
+            found = again.unexplained is None and knocks.joint in again.found
+            grown = again if found else grown
         told = told_again(grown.ladder, tell, deadline)
         if told[-1].fit is grown.ladder[-1].fit:
             return grown._replace(ladder=told)
@@ -344,37 +359,6 @@ def bent(diagnosis: Diagnosis) -> bool:
     best = diagnosis.best
     open_still = best is None or best.word == "part"
     return led is not None and led.place == "coupling" and led.word == "implausible" and open_still
-
-
-def without_help(richer: Fit, candidate: Candidate, fit: Fit) -> Fit | None:
-    """Return the fit without a candidate that only helped a joint to a better end; None where it did more.
-
-    The error of a joint is rough: whatever is added to one moves it, and any move may end lower.
-    """
-    if candidate.place == "coupling" or fit.model.joint is None:
-        return None
-    if needed(richer, candidate.effect):
-        return None
-    bare = drop(richer, candidate.effect)
-    if needed(richer, candidate.effect, bare):
-        return None
-    bare = converged(bare)
-    helped = bare.rmse < (1.0 - RULE.helped) * fit.rmse
-    return replace(bare, before=fit.before) if helped and needless(richer, bare) else None
-
-
-def retested(fit: Fit, tested: Collection[str]) -> tuple[Fit, tuple[str, ...]]:
-    """Return the fit without those of the tested effects that it no longer needs, and which they were."""
-    dropped: list[str] = []
-    for effect in tested:
-        if effect not in fit.model.effects or needed(fit, effect):
-            continue  # it went before, or with another that it changed; or it is worth far too much to go
-        # What an effect did, a joint has to be fitted anew to do.
-        bare = drop(fit, effect)
-        if not needed(fit, effect, bare) and needless(fit, bare := converged(bare)):
-            fit = bare
-            dropped.append(effect)
-    return fit, tuple(dropped)
 
 
 def _unexplained(comparison: Comparison) -> Unexplained | None:

@@ -10,7 +10,8 @@ from ..fit import refit
 from ..fit.fitting import as_logged
 from ..learn import LearningResult
 from ..learn.cut import Deadline
-from ..learn.selection import retested, select
+from ..learn.earlier import retested
+from ..learn.selection import select
 from ..model.effects import base_effects_shown
 from .learned import in_vain, ladder, learned
 from .tree import Node

@@ -102,6 +102,7 @@ fn thinned(signals: &Signals, every: usize) -> Signals {
         // What is left out of the motion is told by weights; the noise is not read here.
         stuck: Vec::new(),
         bridges: Vec::new(),
+        knocks: Vec::new(),
         filter: None,
         substeps: 1,
     }

@@ -1,10 +1,16 @@
 //! Captures along the motion of the knob that a joint hides.
 
 use crate::chain;
-use crate::effects::{Id, Place};
+use crate::effects::{Id, Joint, Place};
 use crate::model::Model;
 use crate::predict;
 use crate::signals::Signals;
+use core::ops::Range;
+
+/// Reaches of a filter that a knock lasts at most.
+const LONGEST: usize = 4;
+/// Squares of the floor, above which the mean within a filter's reach is more than noise and small errors of a law.
+const LOUD: f64 = 5.0;
 
 /// A model without its coupling.
 pub fn loads(model: &Model) -> Model {
@@ -49,6 +55,66 @@ fn moved(signals: &Signals, model: &Model, loads: &Model) -> Signals {
     hidden
 }
 
+/// Stretches in which a knob behind a play knocks, by a model beside which noise leaves `floor`, N m: from a filter's reach before
+/// the surfaces meet until as long after they may have parted again, and on as long as the error is loud there. None where
+/// they hold on to each other.
+///
+/// A knock is over within few samples. When it begins, and how it goes on, no law of a contact tells as well as it is
+/// measured: one of them is worth more than all that the other samples say of what loads the knob.
+pub fn knocks(signals: &Signals, model: &Model, floor: f64) -> Vec<Range<usize>> {
+    let values = model.values();
+    let p = model.of_run(&signals.run, &values);
+    let Some(joint) = model.joint(&p).filter(|joint: &Joint<f64>| !joint.welded) else { return Vec::new() };
+    // Half a wave of the fastest that passes.
+    let reach = (0.5 * signals.rate_hz / signals.passes_hz()).ceil() as usize;
+    let inertia = model.inertia().map_or(0.0, |at| p[at]) * joint.share;
+    let lasts = std::f64::consts::PI * (inertia / joint.stiffness).max(0.0).sqrt() * signals.rate_hz;
+    let lasts = (lasts.ceil() as usize).min(LONGEST * reach);
+    let mut rows = vec![false; signals.len()];
+    for passage in signals.passages() {
+        let motion = signals.motion_columns(passage.clone());
+        let hidden = chain::knob(model, &p, motion, 1.0 / signals.rate_hz, signals.substeps);
+        let Some([theta, ..]) = hidden else { continue };
+        let mut touched = true;
+        for (i, at) in passage.clone().enumerate() {
+            let touches = (signals.theta[at] - theta[i]).abs() >= 0.5 * joint.gap;
+            if touches && !touched {
+                let end = (at + lasts + reach + 1).min(passage.end);
+                rows[at.saturating_sub(reach).max(passage.start)..end].fill(true);
+            }
+            touched = touches;
+        }
+    }
+    let torque = predict::torque(model, signals);
+    let squares =
+        |at: usize| if signals.weight[at] > 0.0 { (signals.tau[at] - torque[at]).powi(2) } else { 0.0 };
+    let mut sums = vec![0.0; signals.len() + 1];
+    (0..signals.len()).for_each(|at| sums[at + 1] = sums[at] + squares(at));
+    let around = |at: usize| (at.saturating_sub(reach), (at + reach + 1).min(signals.len()));
+    let loud = |at: &usize| {
+        let (from, to) = around(*at);
+        sums[to] - sums[from] > LOUD * floor * floor * (to - from) as f64
+    };
+    let loud: Vec<bool> = (0..signals.len()).map(|at| loud(&at)).collect();
+    let mut knocks = rows.clone();
+    let mut from = 0;
+    for run in loud.chunk_by(|a, b| a == b) {
+        let (start, end) = (around(from).0, (from + run.len() + reach).min(rows.len()));
+        if run[0] && rows[start..end].contains(&true) {
+            knocks[start..end].fill(true);
+        }
+        from += run.len();
+    }
+    let mut stretches = Vec::new();
+    let mut from = 0;
+    for run in knocks.chunk_by(|a, b| a == b) {
+        let to = from + run.len();
+        stretches.extend(run[0].then_some(from..to));
+        from = to;
+    }
+    stretches
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::tests::turned;
@@ -70,5 +136,34 @@ mod tests {
         let beside = behind(&[&one], &apart);
         assert!((0..one.len()).any(|at| alone[0].omega[at] != one.omega[at]));
         assert_eq!(alone[0].omega, beside[0].omega);
+    }
+
+    #[test]
+    fn a_knob_knocks_at_the_end_of_its_play_and_one_on_a_soft_shaft_never() {
+        let swing = turned(1.0, 0.0, |_, _| 0.0);
+        let mut model = Model::equation_1(Axis::Rotary, false).with(Id::Backlash).unwrap();
+        for (name, value) in [("inertia.M", 1e-4), ("backlash.gap", 0.02), ("backlash.k", 50.0)] {
+            model.set(name, value).unwrap();
+        }
+        for name in ["coulomb.neg", "coulomb.pos"] {
+            model.set(name, 0.01).unwrap();
+        }
+        let stretches = knocks(&swing, &model, 1.0);
+        let rows: Vec<usize> = stretches.iter().cloned().flatten().collect();
+        // The shaft turns round, and goes on alone through the play.
+        let turns = (1..swing.len()).filter(|at| swing.omega[at - 1] * swing.omega[*at] < 0.0);
+        for turn in turns.filter(|turn| turn + 200 < swing.len()) {
+            let gone = |at: &usize| (swing.theta[*at] - swing.theta[turn]).abs() > 0.02;
+            let end = (turn..swing.len()).find(gone).unwrap();
+            assert!(rows.contains(&end) && !rows.contains(&turn), "{turn} {end}");
+        }
+        assert!(!rows.is_empty() && 4 * rows.len() < swing.len(), "{} of {}", rows.len(), swing.len());
+        let fewer = swing.without_knocks(stretches);
+        assert_eq!((fewer.used(), fewer.len()), (swing.used() - rows.len(), swing.len()));
+        let soft = Model::equation_1(Axis::Rotary, false).with(Id::Compliance).unwrap();
+        assert!(
+            knocks(&swing, &soft, 1.0).is_empty()
+                && knocks(&swing, &model.only(&[Id::Inertia]).unwrap(), 1.0).is_empty()
+        );
     }
 }

@@ -21,7 +21,7 @@ mod uneven;
 mod worth;
 
 pub use expected::Expected;
-pub use hidden::{behind, loads};
+pub use hidden::{behind, knocks, loads};
 pub use moments::Moments;
 pub(crate) use moments::{add_products, evaluate, residuals};
 pub use orders::beside as beside_orders;

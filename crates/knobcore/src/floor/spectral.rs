@@ -9,6 +9,7 @@ use crate::scalar::LANES;
 use crate::signals::Signals;
 use std::f64::consts::PI;
 use std::iter::repeat;
+use std::ops::Range;
 
 /// Samples of one periodogram: as many of these as leave enough periodograms.
 const WINDOWS: [usize; 4] = [512, 256, 128, 64];
@@ -338,7 +339,11 @@ fn quiet(powers: &Powers, quantile: f64) -> Vec<f64> {
 /// Variance of white noise with the power of `rest` in the band above, and its level there; the median over frequencies
 /// keeps a line (mains, a resonance) out.
 pub(super) fn above(signals: &Signals, rest: &[f64]) -> (f64, Vec<f64>) {
-    let Some(window) = WINDOWS.into_iter().find(|window| heard(signals, *window).len() >= ENOUGH) else {
+    let knocking = !signals.knocks.is_empty();
+    let wanted = |window: usize| if knocking { ENOUGH.max(signals.used() / (2 * window)) } else { ENOUGH };
+    let some = || WINDOWS.into_iter().rfind(|window| heard(signals, *window).len() >= ENOUGH);
+    let found = WINDOWS.into_iter().find(|window| heard(signals, *window).len() >= wanted(*window));
+    let Some(window) = found.or_else(some) else {
         return (f64::NAN, Vec::new());
     };
     let bin = |share: f64| (share * (window / 2) as f64) as usize;
@@ -361,12 +366,14 @@ pub(super) fn above(signals: &Signals, rest: &[f64]) -> (f64, Vec<f64>) {
     (median(level.clone()) / bias, level)
 }
 
-/// Where windows begin in which the sensor says anything: a motor that is off has a torque of nought, and no noise.
+/// Where windows begin in which the sensor says anything of noise: a motor that is off has a torque of nought, and where a
+/// knob knocks all else is louder.
 fn heard(signals: &Signals, window: usize) -> Vec<usize> {
     let mut starts = windows(&signals.segments, window);
     starts.retain(|start| {
         let torque = &signals.tau_raw[*start..start + window];
-        torque.iter().any(|x| *x != torque[0])
+        let knocks = |knock: &Range<usize>| knock.start < start + window && *start < knock.end;
+        torque.iter().any(|x| *x != torque[0]) && !signals.knocks.iter().any(knocks)
     });
     starts
 }

@@ -282,6 +282,7 @@ fn with_motion(
         tau_raw: recording.tau.to_vec(),
         weight,
         bridges: bridges.collect(),
+        knocks: Vec::new(),
         segments,
         stuck,
         filter,
