@@ -173,6 +173,10 @@ search {
     hopeless: 2.0, "times the noise floor", "judgement";
     /// A joint whose error ends lower by less has not moved.
     helped: 1e-3, "share of the error", "judgement: a tenth of converged";
+    /// A knob that knocks in more of a capture tells nothing between its knocks.
+    knocks: 0.4, "share of the rows", "judgement: more than half of what was measured is held on to";
+    /// Where less of what a play leaves lies at its knocks, it is not they that hide what else is missing.
+    knocking: 0.5, "share of what noise does not explain", "judgement: most of it";
     /// An effect that is worth so much, by first order or by a sketch without it, is needed: no fit without it is followed to see.
     needed: 10.0, "times what it has to be worth", "judgement: a fit that follows a bent surface loses less";
 }

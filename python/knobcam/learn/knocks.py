@@ -25,9 +25,6 @@ if TYPE_CHECKING:
 KNOCK = "knock"
 """The finding that says what of a capture is not counted."""
 
-_FEW = 0.4  # of the rows: a knob that knocks all the time tells nothing between its knocks
-_MOSTLY = 0.5  # of what noise does not explain, that is left in them
-
 
 class Knocks(NamedTuple):
     """A play, the fit that found it, and the captures without what was measured while it knocks."""
@@ -58,7 +55,7 @@ def knocking(ladder: Sequence[LearningStep], last: Diagnosis) -> Knocks | None:
                 squares[at] += np.sum(rest[counted])
                 rows[at] += np.sum(counted)
         inside, every = squares - rows * floor**2
-        if 0 < rows[0] <= _FEW * rows[1] and inside >= _MOSTLY * every > 0.0:
+        if 0 < rows[0] <= RULE.knocks * rows[1] and inside >= RULE.knocking * every > 0.0:
             times = float(np.sqrt(squares[0] / rows[0])) / floor
             told = (_told(*both, times) for both in zip(gapped.prepared, parts, strict=True))
             return Knocks(joint, gapped, known, tuple(told))
