@@ -195,7 +195,9 @@ LIMITS = Limits(0.2, 6.0, 80.0, -1.0, 3.0, duration_s=8.0, sample_rate_hz=1000.0
 
 
 def designed(*d: float, **more: Any) -> Experiment:
-    rivals: Any = tuple(SimpleNamespace(name=name, effects=(name,)) for name in (BASE, "stribeck", "offset"))
+    fit = SimpleNamespace(torque_unit="N m")
+    names = (BASE, "stribeck", "offset")
+    rivals: Any = tuple(SimpleNamespace(name=name, effects=(name,), fit=fit) for name in names)
     pairs = ((0, 1), (0, 2), (1, 2))
     expected = tuple(Expected(pair, one, 0.5 * one) for pair, one in zip(pairs, d, strict=False))
     track: Any = SimpleNamespace(t=np.array([0.0, 4.0]), theta=np.array([0.0, 1.0]))
@@ -256,7 +258,7 @@ def design(monkeypatch: pytest.MonkeyPatch, asks: float, told: float = 5.0, n: i
 
     known = {"inertia.M": estimate(1e-4, 1e-5), "coulomb.pos": estimate(0.02, 4e-3)}
     known["detent.S"] = estimate(1e-6, 0.1)  # a phase near zero is known as well as any other
-    model = SimpleNamespace(params=known, catalogue=kc.effects)
+    model = SimpleNamespace(params=known, catalogue=kc.effects, phases={"detent.S"})
     fit = SimpleNamespace(core=SimpleNamespace(free=[*known]), params=known, model=model)
     telling: Any = SimpleNamespace(
         peak=peak,
