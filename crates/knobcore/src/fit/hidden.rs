@@ -140,7 +140,11 @@ mod tests {
 
     #[test]
     fn a_knob_knocks_at_the_end_of_its_play_and_one_on_a_soft_shaft_never() {
-        let swing = turned(1.0, 0.0, |_, _| 0.0);
+        let mut swing = turned(1.0, 0.0, |_, _| 0.0);
+        for at in 0..swing.len() {
+            let (sin, cos) = (3.0 * swing.t[at]).sin_cos();
+            (swing.theta[at], swing.omega[at], swing.alpha[at]) = (sin, 3.0 * cos, -9.0 * sin);
+        }
         let mut model = Model::equation_1(Axis::Rotary, false).with(Id::Backlash).unwrap();
         for (name, value) in [("inertia.M", 1e-4), ("backlash.gap", 0.02), ("backlash.k", 50.0)] {
             model.set(name, value).unwrap();
