@@ -26,7 +26,7 @@ def recorded(model: kc.Model, uneven: float) -> kc.Capture:
     """A capture of it, each of whose knocks is harder or softer than the play lets expect."""
     capture = kc.simulate(model, motion="multisine", duration_s=3.0, rate_hz=2500.0, seed=3)
     prepared = kc.prepare(capture)
-    quiet = prepared.core.without_knocks(model.core, 1.0)
+    quiet = model.core.without_knocks(prepared.core, 1.0)
     assert quiet is not None
     rows = prepared.rows[prepared.used & ~(np.asarray(quiet.column("weight")) > 0.0)]
     tau = capture.tau.copy()
@@ -61,4 +61,4 @@ def test_what_knows_no_play_does_not_knock(effect: str):
     capture = recorded(knob(), uneven=0.3)
     fit = kc.fit(capture, detents="no").add(effect)
     prepared = fit.prepared[0]
-    assert prepared.core.without_knocks(fit.core.model, fit.noise_floor) is None
+    assert fit.core.model.without_knocks(prepared.core, fit.noise_floor) is None

@@ -7,11 +7,13 @@ use knobcore::carry::carrier;
 use knobcore::chain::{self, Hand};
 use knobcore::effects::{Base, Id, Section};
 use knobcore::error::Result;
+use knobcore::fit::knocks;
 use knobcore::forward::forward as forward_core;
 use knobcore::model::{Model, Role};
 use knobcore::motion::{Channel, Load, Motion};
 use knobcore::param::{Axis, Given, Kind, Param, Usual};
 use knobcore::predict::{Columns, Seeds, raw};
+use knobcore::prepare::Prepared;
 
 use knobcore::{model_file, predict};
 use numpy::PyArray1;
@@ -246,6 +248,15 @@ impl PyModel {
         let ids = effects.iter().map(|name| own_id(&self.0, name));
         let ids = ids.collect::<Result<Vec<_>>>().map_err(input_error)?;
         self.0.only(&ids).map(Self).map_err(input_error)
+    }
+
+    /// Signals without the stretches in which its knob knocks beside which noise leaves `floor`, N m; None where it does
+    /// not.
+    fn without_knocks(&self, signals: &PySignals, floor: f64) -> Option<PySignals> {
+        let all = &signals.prepared;
+        let knocks = knocks(&all.signals, &self.0, floor);
+        let signals = (!knocks.is_empty()).then(|| all.signals.without_knocks(knocks))?;
+        Some(PySignals { prepared: Prepared { signals, ..all.clone() } })
     }
 
     /// Torque on the motion of prepared signals, through their filter or raw; N m.

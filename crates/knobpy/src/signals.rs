@@ -1,10 +1,8 @@
 //! Bindings of preparation.
 use super::convert::{Column, Floats, array, input_error};
-use super::model::PyModel;
 use super::names::axis;
 use knobcore::diagnose::since_reversal;
 use knobcore::error::Error;
-use knobcore::fit::knocks;
 use knobcore::model::Run;
 use knobcore::param::Axis;
 use knobcore::prepare::{
@@ -111,14 +109,6 @@ impl PySignals {
     fn later(&self, delay_s: f64) -> Self {
         let signals = self.prepared.signals.later(delay_s);
         Self { prepared: Prepared { signals, ..self.prepared.clone() } }
-    }
-
-    /// The same without the stretches in which the knob of a model knocks beside which noise leaves `floor`, N m; None
-    /// where it does not.
-    fn without_knocks(&self, model: PyRef<'_, PyModel>, floor: f64) -> Option<Self> {
-        let knocks = knocks(&self.prepared.signals, &model.0, floor);
-        let signals = (!knocks.is_empty()).then(|| self.prepared.signals.without_knocks(knocks))?;
-        Some(Self { prepared: Prepared { signals, ..self.prepared.clone() } })
     }
 
     /// Noise levels of the motion sensors and the jerk, where they were estimated.

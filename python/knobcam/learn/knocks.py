@@ -45,7 +45,7 @@ def knocking(ladder: Sequence[LearningStep], last: Diagnosis) -> Knocks | None:
         if any(one.capture.clipped for one in gapped.prepared):
             return None  # what is counted of it changes as effects come in
         floor = gapped.noise_floor
-        quiet = [one.core.without_knocks(gapped.core.model, floor) for one in gapped.prepared]
+        quiet = [gapped.core.model.without_knocks(one.core, floor) for one in gapped.prepared]
         squares, rows, parts = np.zeros(2), np.zeros(2), []
         for one, core in zip(gapped.prepared, quiet, strict=True):
             rest = np.square(one.tau - gapped.core.model.torque(one.core))
