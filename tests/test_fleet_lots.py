@@ -73,6 +73,18 @@ def test_a_station_whose_torque_is_off_by_one_factor_is_told_from_parts_that_dif
     assert "gain of its torque sensor" in Study.of(rows, None).said[0]
 
 
+def test_a_parameter_that_is_tied_to_another_says_nothing_of_its_own_of_a_station():
+    rng = np.random.default_rng(7)
+    gained = dict.fromkeys(("coulomb", "inertia"), 1.03)
+    rows = several(rng, 30, station="1") + several(rng, 30, station="2", **gained)
+    for row in rows:
+        row["params"]["coulomb.neg"] = row["params"]["coulomb.pos"]
+        if row["station"] == "2":
+            row["params"]["detent.A"] = [1.03 * one for one in row["params"]["detent.A"]]
+    (gain,) = Study.of(rows, None).gains
+    assert gain.name == "2" and gain.ci95[0] < 3.0 < gain.ci95[1]
+
+
 def test_where_nothing_was_planted_nothing_is_said():
     said = 0
     for seed in range(10):

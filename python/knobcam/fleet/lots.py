@@ -21,6 +21,7 @@ FEWEST = 5
 LEVEL = 0.01
 """Chance of saying of any lot or station of a table that it moved where none did."""
 _USUAL = 4.0  # robust deviations from the middle up to which a value is usual
+_TIED = 1e-9  # of the variance of all, below which a combination of parameters is the same in all parts
 _NEAR = 2.0  # deviations, as the neighbours of one that is far away alone have: beside a step they have more
 # Of the moving average: Montgomery, Introduction to Statistical Quality Control, 9.2.
 _STEEP = 0.2
@@ -192,7 +193,12 @@ def usual(values: FloatArray) -> FloatArray:
     some = values[np.isfinite(values)]
     if len(some) < FEWEST:
         return some
-    return some[np.abs(deviations(some, np.zeros(len(some)))) < _USUAL]
+    return some[_is_usual(some)]
+
+
+def _is_usual(values: FloatArray) -> BoolArray:
+    """Return which values are not far from their middle."""
+    return np.asarray(np.abs(deviations(values, np.zeros(len(values)))) < _USUAL)
 
 
 class Gain(NamedTuple):
@@ -237,27 +243,23 @@ def _alike(values: FloatArray, mine: BoolArray) -> tuple[FloatArray, FloatArray]
 
     What most parts do not determine, or what changes its sign from one to the other, tells of no factor.
     """
-    columns = []
-    for column in values.T:
-        groups = [column[some & np.isfinite(column)] for some in (mine, ~mine)]
-        told = all(
-            len(some) >= max(FEWEST, 0.5 * np.sum(of)) for some, of in zip(groups, (mine, ~mine), strict=True)
-        )
-        if told and np.mean(groups[0]) * np.mean(groups[1]) > 0.0:
-            columns.append(column)
-    if not columns:
-        return np.empty((0, 0)), np.empty((0, 0))
-    every = np.stack(columns, axis=1)
-    groups = []
-    for some in (every[mine], every[~mine]):
-        some = some[np.all(np.isfinite(some), axis=1)]
-        far = (
-            [np.abs(deviations(column, np.zeros(len(column)))) for column in some.T]
-            if len(some) >= FEWEST
-            else []
-        )
-        groups.append(some[np.all(np.array(far).T < _USUAL, axis=1)] if far else some)
-    return groups[0], groups[1]
+
+    def compares(column: FloatArray) -> bool:
+        groups = [(column[some & np.isfinite(column)], 0.5 * np.sum(some)) for some in (mine, ~mine)]
+        if any(len(known) < max(FEWEST, most) for known, most in groups):
+            return False
+        return bool(np.mean(groups[0][0]) * np.mean(groups[1][0]) > 0.0)
+
+    every = values[:, [compares(column) for column in values.T]]
+    return _usual_rows(every[mine]), _usual_rows(every[~mine])
+
+
+def _usual_rows(values: FloatArray) -> FloatArray:
+    """Return the parts of which every parameter is known and none is far from its middle."""
+    some = values[np.isfinite(values).all(axis=1)]
+    if len(some) < FEWEST:
+        return some
+    return some[np.array([_is_usual(column) for column in some.T]).reshape(-1, len(some)).all(axis=0)]
 
 
 def _factor(mine: FloatArray, others: FloatArray) -> tuple[float, tuple[float, float]] | None:
@@ -269,18 +271,20 @@ def _factor(mine: FloatArray, others: FloatArray) -> tuple[float, tuple[float, f
     means = [np.mean(group, axis=0) for group in (mine, others)]
     shares = [group / mean - 1.0 for group, mean in zip((mine, others), means, strict=True)]
     spread = sum(share.T @ share for share in shares) / free * (1.0 / len(mine) + 1.0 / len(others))
+    # One that is tied to another says nothing of its own.
+    own = int(np.linalg.matrix_rank(spread, tol=_TIED * float(np.trace(spread)), hermitian=True))
+    if own < 3 or not (np.diag(spread) > 0.0).all() or not (means[0] * means[1] > 0.0).all():
+        return None
+    inverse = np.linalg.pinv(spread, rcond=_TIED, hermitian=True)
     ratios = np.log(means[0] / means[1])
     known = int(np.sum(np.abs(ratios) > 2.0 * np.sqrt(np.diag(spread))))
-    try:
-        weight = np.linalg.solve(spread, np.ones(parameters))
-        error = float(np.sum(weight)) ** -0.5
-        factor = float(weight @ ratios) * error**2
-        apart = ratios - factor
-        squares = float(apart @ np.linalg.solve(spread, apart))
-    except np.linalg.LinAlgError:  # a parameter that is the same in all parts
-        return None
+    weight = inverse.sum(axis=0)
+    error = float(np.sum(weight)) ** -0.5
+    factor = float(weight @ ratios) * error**2
+    apart = ratios - factor
+    squares = float(apart @ inverse @ apart)
     f = require("scipy.stats", "comparing stations", "fleet").f
-    many = parameters - 1
+    many = own - 1
     chance = float(f.sf(squares * (free - many + 1) / (free * many), many, free - many + 1))
     if known < 2 or chance <= LEVEL or not abs(factor) > 3.0 * error:
         return None
