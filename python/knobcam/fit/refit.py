@@ -15,9 +15,10 @@ from ..model.effects import effect as catalogued
 from .rule import RULE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
     from ..base import pages
+    from ..capture.prepare import Prepared
     from ..model import Model
     from .fitting import Fit
 
@@ -115,9 +116,13 @@ def with_clipped(fit: Fit) -> Fit:
     """
     if not any(one.capture.clipped for one in fit.prepared):
         return fit
-    prepared = tuple(prepare(one.capture.with_clipped(), one.method, **one.options) for one in fit.prepared)
-    core = _core.refine([one.core for one in prepared], fit.core.model, True)
-    return replace(fit, prepared=prepared, core=core)
+    return on(fit, (prepare(one.capture.with_clipped(), one.method, **one.options) for one in fit.prepared))
+
+
+def on(fit: Fit, prepared: Iterable[Prepared]) -> Fit:
+    """Return the fit of the same captures of which other samples count."""
+    fit = replace(fit, prepared=tuple(prepared))
+    return replace(fit, core=_core.refine(cores(fit), fit.core.model, True))
 
 
 def check(effect: str, model: Model) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from .. import _core
 from ..base.said import OfColumn, number, said
 from ..capture.finding import Finding, spans
-from ..fit.refit import converged, started
+from ..fit.refit import converged, cores, on, started
 from ..fit.rule import RULE
 from .joined import chance_of
 from .ladder import LearningStep, first_weighed
@@ -45,13 +45,12 @@ def knocking(ladder: Sequence[LearningStep], last: Diagnosis) -> Knocks | None:
         if any(one.capture.clipped for one in gapped.prepared):
             return None  # what is counted of it changes as effects come in
         floor = gapped.noise_floor
-        quiet = [gapped.core.model.without_knocks(one.core, floor) for one in gapped.prepared]
         squares, rows, parts = np.zeros(2), np.zeros(2), []
-        for one, core in zip(gapped.prepared, quiet, strict=True):
+        for one in gapped.prepared:
+            core = gapped.core.model.without_knocks(one.core, floor)
+            parts.append(one if core is None else replace(one, core=core))
             rest = np.square(one.tau - gapped.core.model.torque(one.core))
-            left = one if core is None else replace(one, core=core)
-            parts.append(left)
-            for at, counted in enumerate((one.used & ~left.used, one.used)):
+            for at, counted in enumerate((one.used & ~parts[-1].used, one.used)):
                 squares[at] += np.sum(rest[counted])
                 rows[at] += np.sum(counted)
         inside, every = squares - rows * floor**2
@@ -94,13 +93,13 @@ def _told(one: Prepared, quiet: Prepared, times: float) -> Prepared:
 
 def quiet(knocks: Knocks, first: Fit) -> LearningStep:
     """Return the first model on what was measured while nothing knocks."""
-    return LearningStep(_on(replace(first, before=None), knocks.quiet))
+    return LearningStep(on(replace(first, before=None), knocks.quiet))
 
 
 def beside_play(knocks: Knocks, rigid: LearningStep) -> LearningStep:
     """Return the step to the play alone, which shows between its knocks too."""
     alone = knocks.gapped.core.model.only([*rigid.effects, knocks.joint])
-    core = _core.refine([one.core for one in knocks.quiet], alone, True)
+    core = _core.refine(cores(rigid.fit), alone, True)
     joined = replace(rigid.fit, core=core, before=rigid.fit)
     return LearningStep(joined, knocks.joint, knocks.known[knocks.joint].p_value, (), (), knocks.known)
 
@@ -111,17 +110,11 @@ def with_play(knocks: Knocks, ladder: Sequence[LearningStep]) -> list[LearningSt
     It is fitted, and has to be worth it, on all that was measured; None where it is not.
     """
     end, prefix = ladder[-1].fit, f"{knocks.joint}."
-    rigid = _on(replace(end, before=None), knocks.gapped.prepared)
+    rigid = on(replace(end, before=None), knocks.gapped.prepared)
     own = {name: one.value for name, one in knocks.gapped.params.items() if name.startswith(prefix)}
     joined = converged(started(rigid, knocks.joint, {name[len(prefix) :]: own[name] for name in own}))
     p_value = chance_of(joined, rigid, knocks.known)
     if p_value > RULE.chance or joined.rmse >= knocks.gapped.rmse:
         return None
-    last = replace(_on(joined, knocks.quiet), before=end)
+    last = replace(on(joined, knocks.quiet), before=end)
     return [*ladder, LearningStep(last, knocks.joint, p_value, (), (), knocks.known)]
-
-
-def _on(fit: Fit, prepared: tuple[Prepared, ...]) -> Fit:
-    """Return a fit of the same captures of which other rows count."""
-    core = _core.refine([one.core for one in prepared], fit.core.model, True)
-    return replace(fit, prepared=prepared, core=core)
