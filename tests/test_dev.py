@@ -43,7 +43,17 @@ def test_a_first_look_builds_the_extension_and_nothing_for_other_programs(
 
 def asked_of_crates(*selection: str) -> dict[str, str]:
     """The features of every crate that a build of cargo would compile."""
-    words = ["cargo", "tree", "--locked", "--prefix", "none", "--no-dedupe", "--format", "{p}\t{f}", *selection]
+    words = [
+        "cargo",
+        "tree",
+        "--locked",
+        "--prefix",
+        "none",
+        "--no-dedupe",
+        "--format",
+        "{p}\t{f}",
+        *selection,
+    ]
     told = subprocess.run(words, cwd=FILE.parent, capture_output=True, text=True, check=True).stdout
     return {name: features for name, _, features in (line.partition("\t") for line in told.splitlines())}
 
