@@ -20,7 +20,7 @@ CRATE_ORDER = ["knobcore", "knobrender", "knobrig", "knobstep", "knobpy"]
 """A crate knows those before it, by its Cargo.toml."""
 RUST_ORDER = [
     *("prelude", "local", "error", "isa", "random", "scalar", "special", "threads", "algebra"),
-    *("order", "fourier", "periodogram", "motion", "param"),
+    *("order", "spans", "fourier", "periodogram", "motion", "param"),
     *("effects", "model", "model_file", "chain", "filter", "signals", "smooth", "prepare", "predict"),
     *("forward", "carry", "noise", "rule", "floor", "fit", "diagnose", "propose", "stiction"),
 ]

@@ -157,8 +157,9 @@ def test_a_recorder_that_is_killed_loses_no_more_than_the_frame_that_was_coming(
             log = tmp_path / f"{attempt}.kcwire"
             words = [sys.executable, "-m", "knobcam", "capture", "--port", rig.port, "--motion", "hand"]
             words += ["--duration", "600", "-o", str(log)]
-            with subprocess.Popen(words, stderr=subprocess.DEVNULL) as recorder:
+            with subprocess.Popen(words, stderr=subprocess.PIPE, text=True) as recorder:
                 while not log.exists():
+                    assert recorder.poll() is None, recorder.stderr.read()  # type: ignore[union-attr]
                     time.sleep(0.01)
                 time.sleep(rng.uniform(0.05, 0.5))
                 recorder.kill()
