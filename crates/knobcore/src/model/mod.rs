@@ -10,7 +10,7 @@ mod sides;
 use crate::effects::law::{Carried, Law};
 use crate::effects::{Base, Id, Joint, Nonlinear, Place};
 use crate::error::{Error, Result};
-use crate::motion::{Channel, Load, Motion};
+use crate::motion::Channel;
 use crate::param::{Axis, Given, Kind, Param, Usual};
 use crate::prelude::*;
 use alloc::sync::Arc;
