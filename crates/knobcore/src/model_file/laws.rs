@@ -123,7 +123,7 @@ pub(crate) fn with_its_own(value: &str, fixed: Option<bool>, param: &Param, axis
 #[cfg(test)]
 mod tests {
     use crate::model_file::{SCHEMA, parse, write};
-    use crate::motion::{Load, Motion};
+    use crate::motion::Motion;
 
     fn file(law: &str) -> String {
         format!(
