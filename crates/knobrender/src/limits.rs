@@ -1,5 +1,7 @@
 //! What the step never exceeds, and what makes it let go for good.
 
+use knobcore::scalar::Scalar;
+
 /// Bounds on the torque and on what may be believed of the motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
@@ -16,10 +18,11 @@ impl Limits {
     #[inline]
     pub fn cut(&self, tau: f64, before: f64, dt: f64) -> f64 {
         let most = self.torque_rate * dt;
-        let slewed = (tau - before).max(-most).min(most) + before;
+        let change = tau - before;
         // What changes slowly enough must not be touched: x - before + before is not x.
-        let tau = if (tau - before).abs() <= most { tau } else { slewed };
-        tau.max(-self.torque).min(self.torque)
+        let tau =
+            if change.abs() <= most { tau } else { before + Scalar::min(Scalar::max(change, -most), most) };
+        Scalar::min(Scalar::max(tau, -self.torque), self.torque)
     }
 }
 

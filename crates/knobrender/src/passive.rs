@@ -113,7 +113,7 @@ struct Heights {
 
 impl Asked<'_> {
     fn load(&self, p: &[f64], motion: &Motion<f64>) -> Load<f64> {
-        let (mut memory, mut sum) = (vec![0.0; self.model.states()], Load::none());
+        let (mut memory, mut sum) = (vec![0.0; self.model.states()], self.model.steady_load(p));
         add_loads(self.model, p, self.own, &mut memory, motion, &mut sum);
         sum
     }

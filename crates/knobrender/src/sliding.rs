@@ -2,7 +2,7 @@
 
 use knobcore::model::Model;
 use knobcore::motion::{Load, Motion};
-use knobcore::scalar::Scalar;
+use knobcore::scalar::{Known, Scalar};
 
 /// Torque and inertia of a sliding knob.
 #[derive(Debug, Clone, Copy)]
@@ -13,7 +13,8 @@ pub(super) struct Sliding {
     pub inertia: f64,
 }
 
-/// Brings in what loads the knob, with functions of a user's own if there are any.
+/// Brings in what loads the knob beside [what is steady](Model::steady_load), with functions of a user's own if there are any.
+#[inline(always)]
 pub(super) fn add_loads(
     model: &Model,
     p: &[f64],
@@ -28,12 +29,33 @@ pub(super) fn add_loads(
     }
 }
 
-/// What a load asks for on a motion whose direction is known; `rest` is what pushes at rest, for a model that may
+/// Torque without inertia, and inertia, that a load asks for on a motion whose direction is known; `rest` is what pushes at rest, for a model that may
 /// create energy.
 #[inline(always)]
-pub(super) fn sliding(load: &Load<f64>, rest: Option<f64>, motion: &Motion<f64>) -> Sliding {
-    let drive = rest.map_or(load.drive, |rest| braked(load, motion, rest));
-    Sliding { torque: drive + load.friction(motion.forward, motion.alpha), inertia: load.inertia }
+pub(super) fn sliding<T: Scalar>(load: &Load<T>, rest: Option<T>, motion: &Motion<T>) -> [T; 2] {
+    let drive = if let Some(rest) = rest { braked(load, motion, rest) } else { load.drive };
+    [drive + load.friction(motion.forward, motion.alpha), load.inertia]
+}
+
+/// The load of a model that is [plain](Model::is_plain): of the channels that shape friction it is known that they do
+/// nothing.
+#[inline(always)]
+pub(super) fn plain(load: &Load<f64>) -> Load<Known<f64>> {
+    let (zero, [drive, inertia, band]) = (Known::ZERO, [load.drive, load.inertia, load.band].map(Known::any));
+    Load {
+        drive,
+        normal_load: zero,
+        position_load: zero,
+        resist: load.resist.map(Known::any),
+        friction_scale: Known::of(1.0),
+        mu: zero,
+        position_share: zero,
+        inertia_share: zero,
+        hysteresis: zero,
+        inertia,
+        hold: load.hold.map(Known::any),
+        band,
+    }
 }
 
 /// The same place and time, at rest.

@@ -4,7 +4,7 @@ use super::contact::{Budget, Contact, Moved};
 use super::device::{Device, SLOWEST, Tuning};
 use super::limits::{Fault, Limits};
 use super::nature::Nature;
-use super::sliding::{Sliding, add_loads, at_rest, braked, sliding};
+use super::sliding::{Sliding, add_loads, at_rest, braked, plain, sliding};
 use super::state::{Sensed, State, TANK_J};
 use knobcore::chain::{Beside, Hidden, SUBSTEPS};
 use knobcore::effects::Id;
@@ -12,7 +12,7 @@ use knobcore::error::{Error, Result};
 use knobcore::model::Model;
 use knobcore::motion::{Channel, Load, Motion};
 use knobcore::prelude::*;
-use knobcore::scalar::Scalar;
+use knobcore::scalar::{Known, Scalar};
 
 /// A model that is rendered: the torque by which the knob answers, sample by sample.
 ///
@@ -21,6 +21,8 @@ use knobcore::scalar::Scalar;
 pub struct Renderer {
     pub(super) model: Model,
     pub(super) p: Vec<f64>,
+    /// What of the load is the same in every motion.
+    pub(super) steady: Load<f64>,
     pub(super) dt: f64,
     pub(super) tuning: Tuning,
     pub(super) limits: Limits,
@@ -108,6 +110,7 @@ impl Renderer {
             tank: f64::INFINITY,
             spare: state.memory.clone(),
             model: model.clone(),
+            steady: model.steady_load(&p),
             p,
             dt,
             tuning,
@@ -242,7 +245,8 @@ impl Renderer {
         }
         // Between two counts the speed tells the angle better than the encoder does.
         let half = 0.5 * self.tuning.count;
-        let between = (self.state.between + omega * since).max(theta - half).min(theta + half);
+        let between = self.state.between + omega * since;
+        let between = Scalar::min(Scalar::max(between, theta - half), theta + half);
         let between = if first { theta } else { between };
         let by = if first { 0.0 } else { between - self.state.between };
         self.state.between = between;
@@ -294,23 +298,39 @@ impl Renderer {
         let (model, p, own) = (&self.model, &self.p, self.own);
         let state = &mut self.state;
         let still = at_rest(motion);
+        let (steady, remembers) = (&self.steady, !state.memory.is_empty());
         // Looks, and remembers nothing.
-        let mut look = |memory: &[f64], motion: &Motion<f64>| {
-            self.spare.copy_from_slice(memory);
-            let mut load = Load::none();
-            add_loads(model, p, own, &mut self.spare, motion, &mut load);
-            load
+        let mut look = |memory: &[f64], motion: &Motion<f64>, load: &mut Load<f64>| {
+            if remembers {
+                self.spare.copy_from_slice(memory);
+            }
+            add_loads(model, p, own, &mut self.spare, motion, load);
         };
         if state.samples > 0 && state.contact.slides(by, motion.omega) != 0.0 {
             if let Some(known) = known {
                 return known;
             }
-            let rest = if self.guarded { Some(look(&state.memory, &still).drive) } else { None };
-            let mut load = Load::none();
+            let rest = if self.guarded {
+                let mut rest = *steady;
+                look(&state.memory, &still, &mut rest);
+                Some(rest.drive)
+            } else {
+                None
+            };
+            let mut load = *steady;
             add_loads(model, p, own, &mut state.memory, motion, &mut load);
-            return sliding(&load, rest, motion);
+            let [torque, inertia] = if model.is_plain() {
+                sliding(&plain(&load), rest.map(Known::any), &motion.map(Known::any)).map(|known| known.x)
+            } else {
+                sliding(&load, rest, motion)
+            };
+            return Sliding { torque, inertia };
         }
-        let mut load = |motion: &Motion<f64>| look(&state.memory, motion);
+        let mut load = |motion: &Motion<f64>| {
+            let mut load = *steady;
+            look(&state.memory, motion, &mut load);
+            load
+        };
         let ways = [Motion { forward: 0.0, ..*motion }, Motion { forward: 1.0, ..*motion }];
         let [back, forth] = ways.map(|way| load(&way));
         let rest = if self.guarded { Some(load(&still).drive) } else { None };

@@ -55,3 +55,9 @@ def groups(indices: IntArray, within: int) -> list[IntArray]:
     if not indices.size:
         return []
     return np.split(indices, np.flatnonzero(np.diff(indices) > within) + 1)
+
+
+def chosen(values: FloatArray, rows: IntArray | BoolArray) -> FloatArray:
+    """Return values at rows (ascending indices, each once, or truths); all of them are not copied."""
+    every = rows.all() if rows.dtype == np.bool_ else len(rows) == len(values)
+    return values if every else values[rows]

@@ -268,7 +268,7 @@ class Comparison(showing.Tabled):
         """RMS of the measured torque about its mean over the samples that count, N m."""
         import numpy as np
 
-        return float(np.std(np.concatenate([torque for _, torque in self._counted])))
+        return float(np.std(np.concatenate([one.tau[one.used] for one in self.fit.prepared])))
 
     def plot(self) -> Figure:
         """The residual along every axis, with the band of chance and the regions that leave it."""

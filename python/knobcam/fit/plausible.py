@@ -66,15 +66,15 @@ def reversed_torque(fit: Fit) -> bool:
     show in the model without it: there any torque of position is allowed for. Of a torque that is a line over
     time a drift takes all, and friction gives back what it has too much.
     """
-    if ramped(fit.prepared):
-        return False
     told = [fit.params[name] for name in _never_negative(fit.model.coordinate) if name in fit.params]
+    if not any(estimate.value < 0.0 for estimate in told) or ramped(fit.prepared):
+        return False
     sure = [estimate for estimate in told if estimate.determined]
     beyond = any(e.ci95[1] < 0.0 for e in sure) and not any(e.ci95[0] > 0.0 for e in sure)
     power, error = _friction_power(fit) if beyond else (0.0, 0.0)
     if power + RULE.surely * error < 0.0:
         return True
-    return any(estimate.value < 0.0 for estimate in told) and gives_back(fit.prepared)
+    return gives_back(fit.prepared)
 
 
 def impossible(fit: Fit) -> str | None:

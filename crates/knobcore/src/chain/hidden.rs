@@ -41,6 +41,8 @@ pub struct Hidden<T: Carried> {
     step_s: f64,
     /// The last instant that it was followed to, and the functions of a user's own there.
     before: Option<(Instant, Option<Beside<T>>)>,
+    /// What loads the knob in every motion.
+    steady: Load<T>,
     /// What loads the knob where it is. It stays where it is: to copy one takes longer than most effects.
     load: Load<T>,
 }
@@ -57,8 +59,20 @@ impl<T: Carried> Hidden<T> {
         let shafts = (T::of(1.0) - joint.share) * stored;
         let (own, substeps) = (joint.share * stored, substeps.max(1));
         let (plain, step_s) = (model.is_plain(), dt / substeps as f64);
-        let load = Load::none();
-        Some(Self { joint, knob, own, stored, shafts, plain, substeps, step_s, before: None, load })
+        let steady = model.steady_load(p);
+        Some(Self {
+            joint,
+            knob,
+            own,
+            stored,
+            shafts,
+            plain,
+            substeps,
+            step_s,
+            before: None,
+            steady,
+            load: steady,
+        })
     }
 
     /// Cuts the joint to a stiffness and raises its damping to at least what such a stiffness needs.
@@ -106,7 +120,7 @@ impl<T: Carried> Hidden<T> {
         let later = 0.5 * self.step_s;
         let theta = self.knob.theta + self.knob.omega.scaled(T::Value::of(later));
         let motion = Motion::exact(T::of(t + later), theta, self.knob.omega, T::of(0.0));
-        self.load = Load::none();
+        self.load = self.steady;
         model.add_loads(p, state, &motion, &mut self.load);
     }
 

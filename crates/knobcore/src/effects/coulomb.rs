@@ -16,6 +16,7 @@ impl Effect<2> for Coulomb {
     const SOURCE: &'static str = "Coulomb 1785; C_vel of Equation 1 of the haptic-camera paper";
     const SHOWS: &'static str = "as a step of the torque wherever the direction changes";
     const TOUCHES: &'static [Channel] = &[Channel::Back, Channel::Forth];
+    const STEADY: bool = true;
     const WORDS: Words = Words {
         title: "dry friction",
         name: "there is dry friction",

@@ -14,6 +14,7 @@ impl Effect<1> for Inertia {
     const SOURCE: &'static str = "Newton; the acceleration part of Equation 1 of the haptic-camera paper";
     const SHOWS: &'static str = "in proportion to acceleration";
     const TOUCHES: &'static [Channel] = &[Channel::Inertia];
+    const STEADY: bool = true;
     const WORDS: Words = Words {
         title: "inertia",
         name: "the knob has mass",

@@ -18,6 +18,7 @@ impl Effect<3> for Karnopp {
         "Karnopp 1985; Equation 2 of the haptic-camera paper, with D in the stick branch";
     const SHOWS: &'static str = "while the knob stands still under torque";
     const TOUCHES: &'static [Channel] = &[Channel::Stick];
+    const STEADY: bool = true;
     const WORDS: Words = Words {
         title: "sticking at standstill",
         name: "the knob sticks when it stands still",

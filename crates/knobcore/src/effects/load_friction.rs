@@ -26,6 +26,7 @@ impl Effect<3> for LoadFriction {
         &["detent_harmonics", "position_friction", "directional_detent"];
     const MAKES_NONLINEAR: Option<Nonlinear> = Some(Nonlinear::ByLoad);
     const TOUCHES: &'static [Channel] = &[Channel::Mu, Channel::PositionShare, Channel::InertiaShare];
+    const STEADY: bool = true;
     const WORDS: Words = Words {
         title: "friction under load",
         name: "friction grows with the load",

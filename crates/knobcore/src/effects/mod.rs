@@ -119,6 +119,8 @@ pub trait Effect<const N: usize> {
     const NEEDS: Option<&'static str> = None;
     /// Channels of its load that may differ from those of [`Load::none`]; work on the others is left out.
     const TOUCHES: &'static [Channel] = Channel::ALL;
+    /// Whether its load is the same in every motion: what follows one sample by sample adds it up once.
+    const STEADY: bool = false;
     /// What else it makes nonlinear.
     const MAKES_NONLINEAR: Option<Nonlinear> = None;
     /// What it tells people.

@@ -26,6 +26,8 @@ pub struct Info {
     pub needs: Option<&'static str>,
     /// See [`Effect::TOUCHES`].
     pub touches: &'static [Channel],
+    /// See [`Effect::STEADY`].
+    pub steady: bool,
     /// Whether it shapes the friction of other effects; see [`Effect::TOUCHES`].
     pub shapes_friction: bool,
     /// Whether it presses the sliding surfaces together by position; see [`Effect::TOUCHES`].
@@ -71,6 +73,7 @@ impl Info {
             confused: E::CONFUSED,
             needs: E::NEEDS,
             touches: E::TOUCHES,
+            steady: E::STEADY,
             shapes_friction: matches!(place, Place::Load) && Channel::shape_friction(E::TOUCHES),
             presses: matches!(place, Place::Load) && Channel::press(E::TOUCHES),
             makes_nonlinear: E::MAKES_NONLINEAR,
@@ -107,6 +110,7 @@ impl Info {
             confused: &[],
             needs: None,
             touches,
+            steady: false,
             shapes_friction: Channel::shape_friction(touches),
             presses: false,
             makes_nonlinear: None,

@@ -1,5 +1,6 @@
 //! A model: effects of the catalogue with their parameter values, and which of those may move.
 
+mod loads;
 mod motor;
 mod own;
 mod roles;
@@ -9,7 +10,7 @@ mod sides;
 use crate::effects::law::{Carried, Law};
 use crate::effects::{Base, Id, Joint, Nonlinear, Place};
 use crate::error::{Error, Result};
-use crate::motion::{Channel, Load, Motion};
+use crate::motion::Channel;
 use crate::param::{Axis, Given, Kind, Param, Usual};
 use crate::prelude::*;
 use alloc::sync::Arc;
@@ -77,6 +78,8 @@ pub struct Model {
     /// The loads but for functions of a user's own, found once for a render step: each with where its parameters and what it remembers
     /// are.
     loads: Vec<Placed>,
+    /// Those of them that are the same in every motion, as far as the order of a sum does not change it.
+    steady: Vec<Placed>,
     /// Those of them that load the shaft before a joint, and which effects these are.
     shaft_loads: Vec<Placed>,
     shaft: Vec<Id>,
@@ -96,6 +99,7 @@ impl Model {
             reach: None,
             parts: Vec::new(),
             loads: Vec::new(),
+            steady: Vec::new(),
             shaft_loads: Vec::new(),
             shaft: Vec::new(),
             slots: Vec::new(),
@@ -137,7 +141,12 @@ impl Model {
         let params = base..self.slots.len();
         if id.info().place == Place::Load && !id.calls_out() {
             let (law, first) = (id.law(), self.states());
-            self.loads.push((law, params.clone(), first..first + law.states()));
+            let beside = |(other, ..): &Placed| {
+                other.info().touches.iter().any(|channel| id.info().touches.contains(channel))
+            };
+            let first_of_all = id.info().steady && !self.loads.iter().any(beside);
+            let loads = if first_of_all { &mut self.steady } else { &mut self.loads };
+            loads.push((law, params.clone(), first..first + law.states()));
         }
         self.parts.push((id, params));
         self.plain &= !id.info().shapes_friction;
@@ -309,38 +318,6 @@ impl Model {
             None => false,
         });
         if bent { Kind::Nonlinear } else { slot.param.kind }
-    }
-
-    /// The sum of the loads on the knob, but for functions of a user's own ([`Model::own_load`]) and at the shaft; `state` has
-    /// [`Model::states`] numbers, zero at first.
-    #[inline]
-    pub fn load<T: Carried>(&self, p: &[T], state: &mut [T], motion: &Motion<T>) -> Load<T> {
-        let mut sum = Load::none();
-        self.add_loads(p, state, motion, &mut sum);
-        sum
-    }
-
-    /// Brings them into a load where it is: to copy one right after it was written takes longer than most effects.
-    #[inline]
-    pub fn add_loads<T: Carried>(&self, p: &[T], state: &mut [T], motion: &Motion<T>, sum: &mut Load<T>) {
-        for (law, params, states) in &self.loads {
-            let own = state.get_mut(states.clone()).unwrap_or(&mut []);
-            T::load(*law, p.get(params.clone()).unwrap_or(&[]), own, motion, sum);
-        }
-    }
-
-    /// The load of one of its effects alone at instants (columns of t, theta, omega, alpha), as one that has seen nothing
-    /// before.
-    pub fn loads_of(&self, id: Id, [t, theta, omega, alpha]: [&[f64]; 4]) -> Vec<Load<f64>> {
-        let p = self.values();
-        let own = self.chain(&p).find(|(other, _)| *other == id).map_or(&[][..], |(_, own)| own);
-        let instants = t.iter().zip(theta).zip(omega).zip(alpha);
-        let load = |(((t, theta), omega), alpha): (((&f64, &f64), &f64), &f64)| {
-            let (mut sum, mut state) = (Load::none(), vec![0.0; id.law().states()]);
-            id.law().load(own, &mut state, &Motion::exact(*t, *theta, *omega, *alpha), &mut sum);
-            sum
-        };
-        instants.map(load).collect()
     }
 
     /// The effects with their parameters, in the order of the chain.

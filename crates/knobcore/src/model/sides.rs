@@ -99,9 +99,11 @@ impl Model {
         let Some((_, params)) = self.parts.iter().find(|(own, _)| *own == id).cloned() else { return };
         if !self.shaft.contains(&id) {
             self.shaft.push(id);
-            let (at_shaft, at_knob) = self.loads.iter().cloned().partition(|(_, own, _)| *own == params);
-            self.loads = at_knob;
-            self.shaft_loads.extend::<Vec<_>>(at_shaft);
+            for loads in [&mut self.steady, &mut self.loads] {
+                let (at_shaft, at_knob) = loads.drain(..).partition(|(_, own, _)| *own == params);
+                *loads = at_knob;
+                self.shaft_loads.extend::<Vec<_>>(at_shaft);
+            }
         }
     }
 

@@ -123,7 +123,7 @@ pub(crate) fn with_its_own(value: &str, fixed: Option<bool>, param: &Param, axis
 #[cfg(test)]
 mod tests {
     use crate::model_file::{SCHEMA, parse, write};
-    use crate::motion::{Load, Motion};
+    use crate::motion::Motion;
 
     fn file(law: &str) -> String {
         format!(
@@ -144,8 +144,7 @@ mod tests {
         assert_eq!(write(&again), write(&model));
         for model in [&model, &again] {
             let load = |theta: f64, omega: f64| {
-                let mut load = Load::none();
-                model.add_loads(&model.values(), &mut [], &Motion::exact(0.0, theta, omega, 0.0), &mut load);
+                let load = model.load(&model.values(), &mut [], &Motion::exact(0.0, theta, omega, 0.0));
                 [load.drive, load.friction_scale]
             };
             assert!((load(0.0, -3.0)[0] + 0.5).abs() < 1e-15);

@@ -128,6 +128,22 @@ fn a_load_touches_no_channel_that_it_does_not_name() {
 }
 
 #[test]
+fn a_load_that_says_it_is_steady_is_the_same_in_every_motion_and_no_other_is() {
+    let mut noise = Noise::new(8);
+    for &id in Id::BUILT_IN.iter().filter(|id| id.info().place == Place::Load) {
+        let mut steady = true;
+        for _ in 0..5 {
+            let p = plausible(id, &mut noise);
+            let mut state = vec![0.0; id.law().states()];
+            let mut at = |i: usize| format!("{:?}", loaded(id, &p, &mut state, &motion(i as f64 / RATE_HZ)));
+            let first = at(0);
+            steady &= (3..CYCLE).step_by(3).all(|i| at(i) == first);
+        }
+        assert_eq!(id.info().steady, steady, "{}", name(id));
+    }
+}
+
+#[test]
 fn sample_by_sample_is_what_whole_stretches_are_to_the_last_bit() {
     let mut noise = Noise::new(2);
     // A joint needs the motion before and after; a sensor is no part of a load.

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray, IntArray, runs
+from ...base.arrays import BoolArray, FloatArray, IntArray, chosen, runs
 from ...base.said import OfColumn, said
 from ..finding import Finding, Rows, rows_in_words, spans
 from .torque import Limit
@@ -34,13 +34,13 @@ def check_dead(
     dead = np.zeros(len(rows), dtype=np.bool_)
     findings = []
     index = np.flatnonzero(usable)
-    theta = columns["theta"][index]
+    theta = chosen(columns["theta"], index)
     moved = {"tau": np.abs(np.diff(theta, prepend=theta[0]))}
     if "omega" in columns:
-        moved["theta"] = np.abs(columns["omega"][index])
+        moved["theta"] = np.abs(chosen(columns["omega"], index))
     for name, way in moved.items():
         at = np.zeros(len(index), dtype=np.bool_)
-        standing = stands(columns[name][index])
+        standing = stands(chosen(columns[name], index))
         # What hardly ever does anything else is no sensor that was off: a torque of steps was commanded.
         if not 1 <= len(standing) <= _OFTEN or _elsewhere(index, standing) < _FEWEST:
             continue

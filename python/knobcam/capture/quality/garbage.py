@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray, IntArray, groups, runs
+from ...base.arrays import BoolArray, FloatArray, IntArray, chosen, groups, runs
 from ...base.said import said
 from ..finding import Finding, Rows, rows_in_words, spans
 from .order import deviation, medians
@@ -49,7 +49,7 @@ def check_garbage(
     index = np.flatnonzero(usable)
     if len(index) < _FEWEST:
         return bad, []
-    tau = columns["tau"][index]
+    tau = chosen(columns["tau"], index)
     noise = _noise(tau)
     findings = []
     for at, kind, what in (
@@ -94,7 +94,7 @@ def _loud(columns: dict[str, FloatArray], index: IntArray, noise: float) -> Bool
     loud = np.zeros(len(index), dtype=np.bool_)
     if not noise > 0.0:
         return loud
-    tau = columns["tau"][index]
+    tau = chosen(columns["tau"], index)
     louder = next(times for name, times in _LOUDER.items() if name in columns)
     # Few rows are loud at all in nearly every log; only around them is it looked at closely.
     far = np.flatnonzero(np.abs(np.convolve(tau, _THIRD, "valid")) > louder * _GAIN * noise)
@@ -130,7 +130,7 @@ def _felt(columns: dict[str, FloatArray], index: IntArray, first: int, end: int)
     """Whether a motion sensor is louder than usual in these rows."""
     for name in ("theta", "omega", "alpha"):
         if name in columns:
-            usual, here = _noise(columns[name][index]), _noise(columns[name][index[first:end]])
+            usual, here = _noise(chosen(columns[name], index)), _noise(columns[name][index[first:end]])
             if here > (_FELT[0] + _FELT[1] / (end - first)) * usual:
                 return True
     return False
@@ -145,7 +145,7 @@ def _follows(columns: dict[str, FloatArray], index: IntArray, first: int, end: i
     for name in ("alpha", "omega", "theta"):
         if name not in columns:
             continue
-        motion = columns[name][index]
+        motion = chosen(columns[name], index)
         motion = np.gradient(motion) if name == "theta" else motion
         lagged = [motion[rows + lag] for lag in range(-_LAGS, _LAGS + 1)]
         around = np.column_stack([*lagged, np.ones(len(rows))])

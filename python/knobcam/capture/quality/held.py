@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray
+from ...base.arrays import BoolArray, FloatArray, chosen
 from ...base.said import OfColumn, said
 from ..finding import Finding, Rows, spans
 from .order import quantile
@@ -54,7 +54,7 @@ def check_held(columns: dict[str, FloatArray], usable: BoolArray, rows: Rows) ->
     for name in ("theta", "omega", "alpha", "tau"):
         if name not in columns:
             continue
-        repeated = held(columns[name][usable])
+        repeated = held(chosen(columns[name], usable))
         if not repeated.any():
             continue
         at = rows[usable][repeated]
@@ -84,7 +84,7 @@ def check_differenced(columns: dict[str, FloatArray], usable: BoolArray, rows: R
     """
     if "omega" not in columns:
         return []
-    theta, omega = columns["theta"][usable], columns["omega"][usable]
+    theta, omega = chosen(columns["theta"], usable), chosen(columns["omega"], usable)
     with np.errstate(invalid="ignore"):
         same = np.concatenate(([False], np.diff(theta) == 0.0))
     fresh, still = np.flatnonzero(~same), omega == 0.0

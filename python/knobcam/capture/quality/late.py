@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray
+from ...base.arrays import BoolArray, FloatArray, chosen
 from ...base.said import Advice, said
 from ..finding import Finding
 from .order import quantile
@@ -29,7 +29,7 @@ def check_late(
     if "omega" not in columns:
         return columns, []
     index = np.flatnonzero(usable)
-    seen = {name: values[index] for name, values in columns.items()}
+    seen = {name: chosen(values, index) for name, values in columns.items()}
     late = _late(seen["t"], seen["theta"], seen["omega"], rate_hz)
     if late is None or abs(late) * rate_hz < _LEAST:
         return columns, []

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray, IntArray, groups
+from ...base.arrays import BoolArray, FloatArray, IntArray, chosen, groups
 from ...base.said import said
 from ..finding import Finding, Rows, rows_in_words, spans
 from .asked import MOST_LOST, REACH
@@ -65,8 +65,8 @@ def check_missed(
     motion, and a leap ahead by a whole number of steps, as where rows are missing, are other things.
     """
     bad = np.zeros(len(theta), dtype=np.bool_)
-    t, told = columns["t"][index], _told(columns, theta, index)
-    rest = theta[index] - told
+    t, told = chosen(columns["t"], index), _told(columns, theta, index)
+    rest = chosen(theta, index) - told
     leaps: list[Leap] = []
     for _ in range(_ROUNDS):
         found = _leaps(t, rest, told, rate_hz, least)
@@ -107,13 +107,13 @@ def _told(columns: dict[str, FloatArray], theta: FloatArray, index: IntArray) ->
     nothing = np.zeros(len(index))
     if "omega" not in columns or len(index) < _FEWEST:
         return nothing
-    omega, dt = columns["omega"][index], np.diff(columns["t"][index])
+    omega, dt = chosen(columns["omega"], index), np.diff(chosen(columns["t"], index))
     told = np.concatenate(([0.0], np.cumsum(0.5 * (omega[1:] + omega[:-1]) * dt)))
 
     def goes(values: FloatArray) -> float:
         return quantile(np.abs(values[_SPAN:] - values[:-_SPAN]), 0.9)
 
-    way = theta[index]
+    way = chosen(theta, index)
     return told if goes(way - told) < _TOLD * goes(way) else nothing
 
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arrays import BoolArray, FloatArray
+from ...base.arrays import BoolArray, FloatArray, chosen
 from ...base.said import Advice, OfColumn, said
 from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import Coordinate
@@ -30,7 +30,7 @@ _OTHER = 5.0  # times larger that its integral is: that of noise alone is not
 
 def check_stuck(name: str, values: FloatArray, usable: BoolArray) -> list[Finding]:
     """Return a warning when a column holds one value throughout."""
-    held = values[usable]
+    held = chosen(values, usable)
     if np.any(held != held[0]):
         return []
     known = {
@@ -51,7 +51,7 @@ def check_stuck(name: str, values: FloatArray, usable: BoolArray) -> list[Findin
 
 def check_few_values(torque: FloatArray, usable: BoolArray) -> list[Finding]:
     """Return a warning when a torque has a few values alone, as one that was asked for and not measured."""
-    held = torque[usable]
+    held = chosen(torque, usable)
     if len(held) < _MANY or len(np.unique(held[:_MANY])) > _FEW_VALUES:
         return []
     values = np.unique(held)
@@ -91,7 +91,7 @@ def ratio(
     when it cannot be judged.
     """
     # What lies between rows that count is bridged like what lies between rows: every third may be masked.
-    t, theta, column = t[usable], theta[usable], column[usable]
+    t, theta, column = chosen(t, usable), chosen(theta, usable), chosen(column, usable)
     dt = np.diff(t)
     usual = quantile(dt, 0.5) if len(dt) else 0.0
     if usual <= 0.0:

@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray
+from ...base.arrays import BoolArray, FloatArray, chosen
 from ...base.said import Advice, number, said
 from ..finding import Finding
 from ..formats.units import Coordinate
@@ -43,7 +43,7 @@ def check_size(
     if coordinate == "linear":
         return []
     findings = []
-    usual = quantile(np.abs(columns["tau"][usable]), _MOSTLY)
+    usual = quantile(np.abs(chosen(columns["tau"], usable)), _MOSTLY)
     if "tau" in names and usual > LARGEST_NM:
         found = said("{tau}: {usual} is more than hands turn", usual=number(usual, "N m"))
         advice = Advice(
@@ -51,7 +51,7 @@ def check_size(
         )
         findings.append(Finding("unit", "tau", int(usable.sum()), (), found, "warning", advice))
     if "theta" in names:
-        t, theta = columns["t"][usable], columns["theta"][usable]
+        t, theta = chosen(columns["t"], usable), chosen(columns["theta"], usable)
         reason = _counts_of_degrees(theta) or _faster_than_hands(t, theta)
         if reason:
             found = said("{theta}: {reason}", reason=reason[0])

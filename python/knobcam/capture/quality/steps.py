@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arrays import BoolArray, FloatArray, groups
+from ...base.arrays import BoolArray, FloatArray, chosen, groups
 from ...base.said import Advice, said
 from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import Coordinate
@@ -65,22 +65,22 @@ def check_steps(
     }
     findings: list[Finding] = []
     # Where wild readings are a habit of the log they lie beside each other, and hide what else there is.
-    anything = wild(t[index], theta[index], 0.3 * _count(np.diff(theta[index])))
+    anything = wild(chosen(t, index), chosen(theta, index), 0.3 * _count(np.diff(chosen(theta, index))))
     bad["spike"][index[anything]] = True
     index = index[~anything]
     if coordinate == "rotary":
         unwrapped, found = _unwrap(t, theta, index, rows)
         theta = theta if "wrap:theta" in overruled else unwrapped
         findings += found
-    missed = check_missed(columns, theta, index, rows, rate_hz, _count(np.diff(theta[index])))
+    missed = check_missed(columns, theta, index, rows, rate_hz, _count(np.diff(chosen(theta, index))))
     findings += missed.findings
     if "missed:theta" not in overruled:
         theta = missed.theta
         bad["missed"] = missed.bad
         index = index[~missed.bad[index]]
-    step = np.diff(theta[index])
+    step = np.diff(chosen(theta, index))
     least = _count(step)
-    expected, doubt, spread = _expected(step, np.diff(t[index]), least)
+    expected, doubt, spread = _expected(step, np.diff(chosen(t, index)), least)
     noise = max(spread, 0.5 * least)
     sure = np.abs(expected) > 0.5 * CLEAR * noise
     if (told := _by_velocity(columns, theta, index, rate_hz)) is not None:
@@ -113,12 +113,12 @@ def check_steps(
     # A leap that stays is beyond all steps of the motion; so wide a gap is not bridged.
     longest = _LEAP * quantile(np.abs(step), 0.999)
     leap = ~stale & (off > CLEAR * noise) & (off > longest)
-    leap &= (np.diff(t[index]) < 1.5 / rate_hz) & (np.diff(index) == 1)  # else time passed
+    leap &= (np.diff(chosen(t, index)) < 1.5 / rate_hz) & (np.diff(index) == 1)  # else time passed
     if coordinate == "rotary":  # what is near a whole turn may be an angle that wraps around
         part = np.abs(step - math.tau * np.rint(step / math.tau))
         leap &= (np.abs(step) <= math.pi) | (part > longest)
     leap &= ~(np.append(spike, False) | np.append(False, spike))
-    away = _away(theta[index], np.flatnonzero(leap))
+    away = _away(chosen(theta, index), np.flatnonzero(leap))
     bad["spike"][index[away]] = True
     leap &= ~(away[1:] | away[:-1])
     findings += _leapt_away(rows, bad["spike"] & usable & ~bad["stale"])
@@ -155,7 +155,7 @@ def check_steps(
 
     # What a repeated row held back comes with the next one.
     follows = np.concatenate(([False], (stale | np.concatenate((spike, [False])))[:-1]))
-    kept = ~follows & (np.diff(t[index]) < 1.5 / rate_hz)  # else the clock says so itself
+    kept = ~follows & (np.diff(chosen(t, index)) < 1.5 / rate_hz)  # else the clock says so itself
     asked = check_asked(Steady(step, expected, doubt, noise, clear & kept, clear, stale), rows, index)
     bad["asked"][index[1:][asked.amiss]] = True
     findings += asked.findings
@@ -212,7 +212,7 @@ def _unwrap(
     t: FloatArray, theta: FloatArray, index: NDArray[np.intp], rows: Rows
 ) -> tuple[FloatArray, list[Finding]]:
     """Return an angle without what it jumps by where it wraps: whole turns, or the range of a register."""
-    jump = np.diff(theta[index])
+    jump = np.diff(chosen(theta, index))
     turns = np.rint(jump / math.tau)
     usual = np.abs(jump[turns == 0.0])
     # A knob that turns half a turn from row to row cannot be told from one that wraps.
@@ -220,7 +220,7 @@ def _unwrap(
     wraps = (turns != 0.0) & (np.abs(jump - math.tau * turns) <= 2.0 * most)
     by = math.tau * turns
     what = said("jumps by whole turns")
-    if (found := _register(t[index], theta[index], jump)) is not None:
+    if (found := _register(chosen(t, index), chosen(theta, index), jump)) is not None:
         wraps, size = found
         most, by = 0.0, size * np.sign(jump)
         what = said("jumps by {size:.5g}, from one end of its range to the other,", size=size)
@@ -297,7 +297,7 @@ def _by_velocity(
     """The step into each row that a measured velocity lets expect, and its noise; None of any other one."""
     if "omega" not in columns:
         return None
-    omega, angle = columns["omega"][index], theta[index]
+    omega, angle = chosen(columns["omega"], index), chosen(theta, index)
     way = 0.5 * (omega[1:] + omega[:-1]) / rate_hz
     rest = angle - np.append(0.0, np.cumsum(way))
     went, off = (np.abs(values[_SPAN:] - values[:-_SPAN]) for values in (angle, rest))
@@ -329,10 +329,10 @@ def _stale(
     for values in others:
         if not np.logical_and.reduce(same).any():
             return np.zeros(len(step), dtype=np.bool_)
-        same.append(np.diff(values[index]) == 0.0)
+        same.append(np.diff(chosen(values, index)) == 0.0)
     repeats: BoolArray = np.logical_and.reduce(same)
     # At rest, with its motor off, a knob repeats all that it says.
-    theta = columns["theta"][index]
+    theta = chosen(columns["theta"], index)
     row = np.arange(1, len(theta))
     wide = theta[np.minimum(row + REACH, len(theta) - 1)] - theta[np.maximum(row - REACH, 0)]
     fast = np.abs(wide) >= 2.0 * _FAST * REACH * least

@@ -7,7 +7,7 @@ from bisect import bisect_left
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray
+from ...base.arrays import BoolArray, FloatArray, chosen
 from ...base.said import Advice, said
 from ...errors import InputError
 from ..finding import Finding, Rows, rows_in_words, spans
@@ -42,7 +42,7 @@ def check_times(t: FloatArray, rows: Rows, source: str) -> tuple[BoolArray, list
             f"{source}: column t does not advance: fewer than 2 usable time stamps; map another column, "
             f"or leave t out and give the sampling rate"
         )
-    interval = np.diff(t[index])
+    interval = np.diff(chosen(t, index))
     stride = np.diff(index)  # rows from one usable stamp to the next: masked rows are no gap
     usual = quantile(interval, 0.5)
     ratio = interval / usual
@@ -108,7 +108,7 @@ def run_on(t: FloatArray, rows: Rows) -> tuple[FloatArray, list[Finding]]:
     more than what it rises through afterwards begins with.
     """
     index = np.flatnonzero(np.isfinite(t))
-    step = np.diff(t[index])
+    step = np.diff(chosen(t, index))
     fallen = np.flatnonzero(step < 0.0)
     begins = [
         at
@@ -165,7 +165,7 @@ def _rising(t: FloatArray, rows: Rows) -> tuple[BoolArray, list[Finding]]:
     usable = np.isfinite(t)
     findings = []
     index = np.flatnonzero(usable)
-    step = np.diff(t[index])
+    step = np.diff(chosen(t, index))
     duplicate = index[1:][step == 0.0]
     if duplicate.size:
         usable[duplicate] = False
@@ -189,7 +189,7 @@ def _rising(t: FloatArray, rows: Rows) -> tuple[BoolArray, list[Finding]]:
         )
     if np.any(step < 0.0):
         index = np.flatnonzero(usable)
-        kept = index[_longest_rise(t[index])]
+        kept = index[_longest_rise(chosen(t, index))]
         backward = np.setdiff1d(index, kept, assume_unique=True)
         usable[backward] = False
         findings.append(

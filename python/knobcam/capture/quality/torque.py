@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arrays import BoolArray, FloatArray, runs
+from ...base.arrays import BoolArray, FloatArray, chosen, runs
 from ...base.said import Advice, Said, said
 from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import GIVEN
@@ -57,7 +57,7 @@ def check_clipping(
     """
     clipped = np.zeros(len(tau), dtype=np.bool_)
     findings = []
-    values = tau[usable]
+    values = chosen(tau, usable)
     for side, extreme in (("upper", values.max()), ("lower", values.min())):
         at = usable & (tau == extreme)
         if extreme == 0.0 or _longest_run(at) < MIN_RUN or not _is_limit(values, extreme):
@@ -105,7 +105,7 @@ def check_spikes(
         spikes[index[alone]] = True
     # Where this is a habit of the log, they are beside each other too.
     index = np.flatnonzero(usable)
-    at = np.flatnonzero(wild(columns["t"][index], columns["tau"][index], 0.0))
+    at = np.flatnonzero(wild(chosen(columns["t"], index), chosen(columns["tau"], index), 0.0))
     spikes[index[at[_unfelt(columns, index, at)]]] = True
     if not spikes.any():
         return spikes, []
@@ -119,7 +119,7 @@ def check_spikes(
 
 def _alone(columns: dict[str, FloatArray], index: NDArray[np.intp]) -> NDArray[np.intp]:
     """Return which of the rows `index` have a torque that is far from all that is around it."""
-    tau = columns["tau"][index]
+    tau = chosen(columns["tau"], index)
     if len(tau) < _FEWEST:
         return np.empty(0, dtype=np.intp)
     step = np.diff(tau)
@@ -145,7 +145,7 @@ def _unfelt(columns: dict[str, FloatArray], index: NDArray[np.intp], at: NDArray
     at = np.clip(at, 5, len(index) - 6)
     for name, order in (("theta", 2), ("omega", 1), ("alpha", 0)):
         if name in columns:
-            jerk = np.diff(columns[name][index], n=order)
+            jerk = np.diff(chosen(columns[name], index), n=order)
             noise = _noise(np.diff(jerk))
             for late in range(order + 1):  # differences that the row has a part in
                 # What is missing between two rows makes a leap too.
