@@ -184,7 +184,13 @@ def test_what_came_in_and_is_needless_beside_what_came_in_since_is_told_and_goes
     for effect in ("unbalance", "return_spring"):
         post(client, "add", effect=effect)
         bench.session.weigh()
-    assert shown(client)["needless"] == ["unbalance"]
+    both = shown(client)
+    assert both["needless"] == ["unbalance"]
+    # It is still in the model, but what is needless was not missing.
+    said = "return_spring (or position_polynomial) was missing; with it the rest is chance."
+    assert Said.of(both["concluded"]) == said and both["added"] == []
+    report = client.get("/api/download", params={"what": "report"}).text.partition("<figure")[0]
+    assert "was missing; with it the rest is chance." in report and "nbalance" not in report
     post(client, "drop", effect="unbalance")
     bench.session.weigh()
     state = shown(client)

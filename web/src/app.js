@@ -250,8 +250,7 @@ class App {
       add: (effect) => this.ask("add", { effect }, "add"),
       apart: (effects) => this.next.design(effects),
       every: () => this.ask("search", {}, "search"),
-      error: () => shown(byId("ladder")),
-      findings: () => shown(byId("findings")),
+      ...{ error: () => shown(byId("ladder")), findings: () => shown(byId("findings")), laws: () => shown(byId("laws")) },
     });
     if (state.recording) this.live?.follow();
     showHidden(state);

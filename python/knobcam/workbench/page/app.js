@@ -592,6 +592,7 @@ function band(modelled, half) {
 function aboutOf({ unit, peak, captures, active }) {
   return { unit, peak, coordinate: captures.find(({ id }) => active.includes(id))?.coordinate ?? "rotary" };
 }
+var NOTHING = 1e-4;
 var DIRECTIONS = /* @__PURE__ */ new Map([[1, " forward"], [-1, " backward"]]);
 var AGAIN = "open the file once more and";
 var WAYS = {
@@ -635,7 +636,7 @@ function measured({ value, unit, text }, about2) {
 function stretch({ low, high, unit, direction, words: words4 }, about2) {
   if (words4) return words4;
   const scale = scaleOf(unit, about2);
-  const [from, to] = [low, high].map((end) => number(end * scale.factor, 4));
+  const [from, to] = [low, high].map((end) => number(Math.abs(end) > NOTHING * (high - low) ? end * scale.factor : 0, 4));
   return `${from} to ${to} ${unbroken(scale.unit)}${DIRECTIONS.get(direction) ?? ""}`;
 }
 function unbroken(unit) {
@@ -1101,7 +1102,9 @@ function showUntold(place4, { untold, needless }, apart2, drop) {
 }
 
 // src/candidates.js
-var NOTHING = "No effect that was weighed explains enough of what is left.";
+var NOTHING2 = "No effect that was weighed explains enough of what is left.";
+var NO_MORE = "Nothing that was weighed is still missing.";
+var NAMED = 0.01;
 var ALONE = "Weighed one at a time; Find everything weighs sets too, from the first model on, and may end elsewhere.";
 var Candidates = class {
   /**
@@ -1145,11 +1148,11 @@ var Candidates = class {
     });
     this.place.replaceChildren(
       ...candidates.ready ? [] : [make("p", { class: "soft" }, job ? `${sentence(job.what, about2)} …` : ask2)],
-      candidates.ready && !searched && this.items.length > 0 ? make("p", { class: "soft alone", text: ALONE }) : "",
+      candidates.ready && !searched && could.length > 0 ? make("p", { class: "soft alone", text: ALONE }) : "",
       ...candidates.ready && this.items.length === 0 ? [make("p", { class: "well", text: "Nothing is left to be weighed." })] : [],
-      candidates.ready && could.length === 0 && this.items.length > 0 ? make("p", { class: "soft", text: NOTHING }) : "",
+      candidates.ready && could.length === 0 && this.items.length > 0 ? make("p", { class: "soft", text: candidates.unexplained ? NOTHING2 : NO_MORE }) : "",
       make("ul", { "aria-label": "candidates", class: "candidates" }, ...this.items.slice(0, could.length)),
-      out.length > 0 ? folded2(out, `${out.length} ruled out by values that none can have: ${ruledOut.map(outWords).join(", ")}`) : "",
+      out.length > 0 ? folded2(out, `${out.length} ruled out by values that none can have: ${outWords(ruledOut)}`) : "",
       others.length > 0 ? folded2(others, `${restWords(others.length, this.items.length)}: no better than chance, or too little to matter`) : "",
       ...concluded.length > 0 ? [] : remainder(candidates.unexplained, about2)
       // where it stands first already
@@ -1250,8 +1253,10 @@ function folded2(items, words4) {
 function restWords(rest, all) {
   return rest < all ? `${rest} more` : `${rest} weighed`;
 }
-function outWords({ effect, error_fall: fall }) {
-  return `${titleOf(effect)} (${percent(-Math.max(0, fall))})`;
+function outWords(rows) {
+  const some = rows.filter(({ error_fall: fall }) => fall >= NAMED);
+  const named2 = (some.length > 0 ? some : rows.slice(0, 1)).map(({ effect, error_fall: fall }) => `${titleOf(effect)} (${percent(-Math.max(0, fall))})`);
+  return [...named2, ...named2.length < rows.length ? [`${rows.length - named2.length} that would take off less than 1 %`] : []].join(", ");
 }
 function evidence(row, about2) {
   const chance = row.p_value <= 1e-3 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
@@ -2133,14 +2138,21 @@ async function showHidden({ captures, active }) {
   const told = await ask("challenge", { capture: now[0] }).catch(() => null);
   if (told && mine === asked) showStanding(told);
 }
-function showStanding({ hints, more, wrong, found: found2, hidden, solved, given_up, sealed, score }) {
+function showStanding({ hints, more, wrong, found: found2, hidden, solved, given_up, graded, sealed, score }) {
   document.body.classList.toggle("sealed", sealed);
   byId("unseal").hidden = !sealed;
   byId("challenge-said").classList.toggle("well", solved && !given_up);
-  byId("challenge-score").textContent = `${score} points`;
-  byId("challenge-said").textContent = standingWords({ wrong, found: found2, hidden, solved, given_up });
+  byId("challenge-score").textContent = graded ? `${score} points` : "";
+  byId("challenge-said").textContent = graded ? standingWords({ wrong, found: found2, hidden, solved, given_up }) : surpriseWords({ found: found2, hidden, solved });
+  byId("hint").hidden = !graded;
   byId("challenge-hints").replaceChildren(...hints.map((text) => make("li", { text })));
   byId("hint").disabled = !more || solved || given_up;
+}
+function surpriseWords({ found: found2, hidden, solved }) {
+  const [what, is] = hidden === 1 ? ["What was hidden", "one effect is"] : [`All ${hidden} effects that were hidden`, `${hidden} effects are`];
+  if (solved) return `${what} ${hidden === 1 ? "is" : "are"} in the model, and nothing that was not.`;
+  if (found2 === hidden) return `${what} ${hidden === 1 ? "is" : "are"} in the model, but so is something that was not.`;
+  return `In this knob ${is} hidden${found2 > 0 ? `, ${found2} of them found` : ""}: see whether it is found.`;
 }
 function standingWords({ wrong, found: found2, hidden, solved, given_up }) {
   const many = hidden === 1 ? "one effect is hidden" : `${hidden} effects are hidden`;
@@ -2152,11 +2164,11 @@ function standingWords({ wrong, found: found2, hidden, solved, given_up }) {
 }
 
 // src/job.js
-var NOTHING2 = { unit: "N m", peak: 0, coordinate: "rotary" };
+var NOTHING3 = { unit: "N m", peak: 0, coordinate: "rotary" };
 function showJob(job, about2) {
   byId("job").hidden = job === null;
   if (!job) return;
-  byId("job-what").textContent = sentence(job.what, about2 ?? NOTHING2);
+  byId("job-what").textContent = sentence(job.what, about2 ?? NOTHING3);
   const bar2 = (
     /** @type {HTMLProgressElement} */
     byId("job-done")
@@ -2249,8 +2261,8 @@ function showLadder(place4, state) {
 function sameCaptures(steps, at) {
   const of = (step) => steps[step]?.captures.join();
   let [first, end] = [at, at + 1];
-  while (first > 0 && of(first - 1) === of(at)) first--;
-  while (end < steps.length && of(end) === of(at)) end++;
+  while (first > 0 && !steps[first].anew && of(first - 1) === of(at)) first--;
+  while (end < steps.length && !steps[end].anew && of(end) === of(at)) end++;
   return { steps: steps.slice(first, end), at: at - first };
 }
 function broughtAlong({ steps, at }, carried) {
@@ -5186,8 +5198,8 @@ function themed(changed) {
 }
 
 // src/verdict.js
-function showVerdict(element2, { added, concluded, verdict, candidates, titles: titles2 }, about2, to) {
-  const key2 = JSON.stringify([added, concluded, verdict, candidates, about2, titles2]);
+function showVerdict(element2, { added, concluded, verdict, candidates, titles: titles2, sets, proposed }, about2, to) {
+  const key2 = JSON.stringify([added, concluded, verdict, candidates, about2, titles2, sets, proposed]);
   if (element2.dataset.told === key2) return;
   element2.dataset.told = key2;
   const worst = [...concluded, ...verdict].find((part) => typeof part === "object" && "low" in part);
@@ -5201,7 +5213,8 @@ function showVerdict(element2, { added, concluded, verdict, candidates, titles: 
   };
   const open = concluded.length > 0 ? [] : plainly(candidates, about2, to);
   const first = open.map((part) => typeof part === "string" ? part : link(part));
-  const head2 = beside(added, [...first, ...concluded.map(shown2)]);
+  const ways = further({ sets, proposed }, about2, to).map((part) => typeof part === "string" ? part : link(part));
+  const head2 = beside(added, [...first, ...concluded.map(shown2), ...ways]);
   element2.replaceChildren(...head2.length > 0 ? [make("strong", {}, ...head2), " "] : [], ...verdict.map(shown2));
 }
 function beside(added, [first, ...rest]) {
@@ -5246,6 +5259,15 @@ function plainly({ ready, rows }, about2, to) {
     { words: "find everything", title: "add step by step all that is missing, sets of effects too", go: () => to.every() },
     " at once.",
     ...equivalent.length > 0 ? tied(first.word === "part", equivalent.map(lead), () => to.apart([effect, ...equivalent])) : []
+  ];
+}
+function further({ sets, proposed }, about2, to) {
+  const law = proposed?.[0];
+  const { factor: factor2, unit } = torqueScale(about2);
+  const [left, of] = law ? [law.rmse, law.rmse / (1 - law.fall)].map((one) => number(one * factor2)) : [];
+  return [
+    ...law ? [" ", { words: "A formula", title: "what is left as a curve, and the laws that draw it", go: () => to.laws() }, ` is proposed: it would leave ${left} ${unit} of the ${of} ${unit} that it was looked for in.`] : [],
+    ...sets ? [" Effects were weighed one at a time: ", { words: "find everything", title: "add step by step all that is missing, sets of effects too", go: () => to.every() }, " weighs sets of them too."] : []
   ];
 }
 function tied(part, others, go) {
@@ -5461,8 +5483,7 @@ var App = class {
       add: (effect) => this.ask("add", { effect }, "add"),
       apart: (effects) => this.next.design(effects),
       every: () => this.ask("search", {}, "search"),
-      error: () => shown(byId("ladder")),
-      findings: () => shown(byId("findings"))
+      ...{ error: () => shown(byId("ladder")), findings: () => shown(byId("findings")), laws: () => shown(byId("laws")) }
     });
     if (state.recording) this.live?.follow();
     showHidden(state);
