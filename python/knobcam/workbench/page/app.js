@@ -730,14 +730,20 @@ function showFindings(place4, { captures, active, limitations, disagreements, no
     return own2.map((one) => finding(one, { id, name: several ? `${short2.get(id)}: ` : "", job }, about2, deeds));
   });
   found2.push(...[...every.values()].map((one) => finding(one, all, about2, deeds)));
+  const openOnes = new Set([...place4.querySelectorAll("details[data-at][open]")].map((one) => one.getAttribute("data-at")));
   const missing = limitations.map((said) => make("li", { class: "soft" }, "Cannot be told: ", ...nodes(said, about2)));
-  const apartFrom = disagreements.map((said) => make("li", { class: "doubt" }, "⚠ The captures disagree: ", ...nodes(said, about2), "."));
+  const apartFrom = disagreements.map((said, at) => disagreement(said, about2, at, openOnes.has(String(at))));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
-  const open = place4.querySelector("details")?.open ?? false;
+  const open = place4.querySelector("details:not([data-at])")?.hasAttribute("open") ?? false;
   const own = found2.length > FEW2 ? [folded(found2, told, open)] : found2;
   place4.replaceChildren(...noted, ...apartFrom, ...missing, ...own);
   const again = focused && place4.querySelector(`[data-finding="${CSS.escape(focused)}"]`);
   if (again instanceof HTMLElement) again.focus();
+}
+function disagreement(said, about2, at, open) {
+  const of = said.filter((part) => typeof part === "object" && "param" in part);
+  const summary = make("summary", { class: "doubt" }, "⚠ The captures disagree", ...of.length > 0 ? [": ", ...nodes(of.slice(0, 1), about2)] : []);
+  return make("li", {}, make("details", { open, "data-at": String(at) }, summary, make("p", { class: "doubt" }, ...nodes(said, about2), ".")));
 }
 function alikeInAll([first, ...others]) {
   if (!first || others.length === 0) return /* @__PURE__ */ new Map();
