@@ -269,6 +269,7 @@ class App {
     showFindings(byId("findings"), state, about, {
       see: (capture, finding) => this.find(capture, finding),
       overrule: (capture, finding, on) => this.ask("overrule", { capture, finding, on }, "data"),
+      sharpen: (param) => void this.next.design([], param),
     });
     byId("open-together").hidden = state.captures.length === 0;
     showLadder(byId("ladder"), state);

@@ -109,7 +109,7 @@ export function textOf({ severity, said, advice }, about) {
  * @param {State} state
  * @param {About} about
  * @param {{see: (capture: string, finding: string) => void,
- *   overrule: (capture: string, finding: string, on: boolean) => void}} deeds
+ *   overrule: (capture: string, finding: string, on: boolean) => void, sharpen: (param: string) => void}} deeds
  */
 export function showFindings(place, { captures, active, limitations, disagreements, notes, job }, about, deeds) {
   const key = JSON.stringify([captures, active, limitations, disagreements, notes, about, job === null]);
@@ -128,7 +128,7 @@ export function showFindings(place, { captures, active, limitations, disagreemen
   });
   found.push(...[...every.values()].map((one) => finding(one, all, about, deeds)));
   const openOnes = new Set([...place.querySelectorAll("details[data-at][open]")].map((one) => one.getAttribute("data-at")));
-  const missing = limitations.map((said) => make("li", { class: "soft" }, "Cannot be told: ", ...nodes(said, about)));
+  const missing = limitations.map((said) => make("li", { class: "soft" }, "Cannot be told: ", ...nodes(said, about), ...sharpening(said, about, deeds.sharpen)));
   const apartFrom = disagreements.map((said, at) => disagreement(said, about, at, openOnes.has(String(at))));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
   const open = place.querySelector("details:not([data-at])")?.hasAttribute("open") ?? false;
@@ -136,6 +136,20 @@ export function showFindings(place, { captures, active, limitations, disagreemen
   place.replaceChildren(...noted, ...apartFrom, ...missing, ...own); // what to record next is not to be looked for
   const again = focused && place.querySelector(`[data-finding="${CSS.escape(focused)}"]`);
   if (again instanceof HTMLElement) again.focus();
+}
+
+/**
+ * The button that designs the motion which tells parameters that are known together alone: of an inertia and what pulls
+ * the one named last is told by slow moves, and with it the other.
+ * @param {Finding["said"]} said
+ * @param {About} about
+ * @param {(param: string) => void} sharpen
+ */
+function sharpening(said, about, sharpen) {
+  const last = said.findLast((part) => typeof part === "object" && "param" in part);
+  if (!last || typeof last === "string" || !("param" in last)) return [];
+  const title = `the motion that makes it known best: ${sentence([last], about)}`;
+  return [". ", make("button", { type: "button", text: "Design that motion…", title, on: { click: () => sharpen(last.param) } })];
 }
 
 /**

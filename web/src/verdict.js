@@ -35,8 +35,8 @@ export function showVerdict(element, { added, concluded, verdict, candidates, ti
   const open = concluded.length > 0 ? [] : plainly(candidates, about, to);
   const first = open.map((part) => (typeof part === "string" ? part : link(part)));
   const ways = further({ sets, proposed }, about, to).map((part) => (typeof part === "string" ? part : link(part)));
-  const head = beside(added, [...first, ...concluded.map(shown), ...ways]);
-  element.replaceChildren(...(head.length > 0 ? [make("strong", {}, ...head), " "] : []), ...verdict.map(shown));
+  const head = beside(added, [...first, ...concluded.map(shown)]);
+  element.replaceChildren(...(head.length > 0 ? [make("strong", {}, ...head), ...ways, " "] : []), ...verdict.map(shown));
 }
 
 /**

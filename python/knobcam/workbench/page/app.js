@@ -731,7 +731,7 @@ function showFindings(place4, { captures, active, limitations, disagreements, no
   });
   found2.push(...[...every.values()].map((one) => finding(one, all, about2, deeds)));
   const openOnes = new Set([...place4.querySelectorAll("details[data-at][open]")].map((one) => one.getAttribute("data-at")));
-  const missing = limitations.map((said) => make("li", { class: "soft" }, "Cannot be told: ", ...nodes(said, about2)));
+  const missing = limitations.map((said) => make("li", { class: "soft" }, "Cannot be told: ", ...nodes(said, about2), ...sharpening(said, about2, deeds.sharpen)));
   const apartFrom = disagreements.map((said, at) => disagreement(said, about2, at, openOnes.has(String(at))));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
   const open = place4.querySelector("details:not([data-at])")?.hasAttribute("open") ?? false;
@@ -739,6 +739,12 @@ function showFindings(place4, { captures, active, limitations, disagreements, no
   place4.replaceChildren(...noted, ...apartFrom, ...missing, ...own);
   const again = focused && place4.querySelector(`[data-finding="${CSS.escape(focused)}"]`);
   if (again instanceof HTMLElement) again.focus();
+}
+function sharpening(said, about2, sharpen) {
+  const last = said.findLast((part) => typeof part === "object" && "param" in part);
+  if (!last || typeof last === "string" || !("param" in last)) return [];
+  const title = `the motion that makes it known best: ${sentence([last], about2)}`;
+  return [". ", make("button", { type: "button", text: "Design that motion…", title, on: { click: () => sharpen(last.param) } })];
 }
 function disagreement(said, about2, at, open) {
   const of = said.filter((part) => typeof part === "object" && "param" in part);
@@ -4512,6 +4518,7 @@ var Next = class {
     this.loading = null;
     this.drawn = "";
     this.effects = void 0;
+    this.sharpen = "";
     this.buttons();
     new ResizeObserver(() => this.draw()).observe(byId("next-plots"));
   }
@@ -4546,20 +4553,21 @@ var Next = class {
   }
   /** Design within the limits as they are now; where a motion waits for what is missing, they are kept for it. */
   again() {
-    return this.waits ? this.close() : this.design(this.asked);
+    return this.waits ? this.close() : this.design(this.asked, this.sharpen);
   }
   /** Whether there is nothing yet that a motion could be designed for. */
   get waits() {
-    return this.state !== null && this.told === null && this.asked.length === 0 && waitsFor(this.state);
+    return this.state !== null && this.told === null && !this.sharpen && this.asked.length === 0 && waitsFor(this.state);
   }
   /**
    * Design a motion for effects, and show it; for none: for what is known least. Where none is within the limits, they
    * are shown in its place.
    * @param {string[]} effects
+   * @param {string} [sharpen] the parameter that it is to make known best
    * @returns {Promise<boolean>} whether there is one
    */
-  async design(effects) {
-    this.effects = effects;
+  async design(effects, sharpen = "") {
+    [this.effects, this.sharpen] = [effects, sharpen];
     const by_hand = (
       /** @type {HTMLInputElement} */
       byId("next-only-hand").checked
@@ -4567,7 +4575,7 @@ var Next = class {
     this.enable(false);
     this.refuse("");
     try {
-      await this.deeds.design({ effects, limits: this.within.wanted, by_hand });
+      await this.deeds.design({ effects, sharpen, limits: this.within.wanted, by_hand });
       this.open();
       return true;
     } catch (reason2) {
@@ -4611,7 +4619,7 @@ var Next = class {
   }
   /** @param {State} state */
   show(state) {
-    if (this.state?.node !== state.node) this.effects = void 0;
+    if (this.state?.node !== state.node) [this.effects, this.sharpen] = [void 0, ""];
     this.state = state;
     showUntold(byId("untold"), state, (effects) => this.design(effects), this.deeds.drop);
     const { experiment, node, recording, candidates } = state;
@@ -5220,8 +5228,8 @@ function showVerdict(element2, { added, concluded, verdict, candidates, titles: 
   const open = concluded.length > 0 ? [] : plainly(candidates, about2, to);
   const first = open.map((part) => typeof part === "string" ? part : link(part));
   const ways = further({ sets, proposed }, about2, to).map((part) => typeof part === "string" ? part : link(part));
-  const head2 = beside(added, [...first, ...concluded.map(shown2), ...ways]);
-  element2.replaceChildren(...head2.length > 0 ? [make("strong", {}, ...head2), " "] : [], ...verdict.map(shown2));
+  const head2 = beside(added, [...first, ...concluded.map(shown2)]);
+  element2.replaceChildren(...head2.length > 0 ? [make("strong", {}, ...head2), ...ways, " "] : [], ...verdict.map(shown2));
 }
 function beside(added, [first, ...rest]) {
   if (first === void 0) return [];
@@ -5507,7 +5515,8 @@ var App = class {
     });
     showFindings(byId("findings"), state, about2, {
       see: (capture, finding2) => this.find(capture, finding2),
-      overrule: (capture, finding2, on) => this.ask("overrule", { capture, finding: finding2, on }, "data")
+      overrule: (capture, finding2, on) => this.ask("overrule", { capture, finding: finding2, on }, "data"),
+      sharpen: (param) => void this.next.design([], param)
     });
     byId("open-together").hidden = state.captures.length === 0;
     showLadder(byId("ladder"), state);
