@@ -2637,7 +2637,7 @@ var Laws = class {
       ...{ title: "fit it with the model, as an effect of this name" }
     });
     const name2 = make("input", {
-      ...{ type: "text", name: "name", size: 8, placeholder: "law", spellcheck: "false", autocomplete: "off" },
+      ...{ type: "text", name: "name", size: 8, placeholder: "its name", title: "what it is called in the model; law where nothing is typed", spellcheck: "false", autocomplete: "off" },
       "aria-label": `name of law ${number3}`
     });
     const form = make("form", {}, edit, name2, take);
