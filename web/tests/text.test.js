@@ -168,7 +168,7 @@ test("of what is ruled out that is named which would take something off", async 
   const { outWords } = await import("../src/candidates.js");
   const rows = (/** @type {number[]} */ ...falls) => /** @type {any[]} */ (falls.map((error_fall, at) => ({ effect: `e${at}`, error_fall })));
   assert.equal(outWords(rows(0.18, 0.002, 0)), "e0 (−18\u00a0%), 2 that would take off less than 1\u00a0%");
-  assert.equal(outWords(rows(0.001)), "e0 (0\u00a0%)", "a list of none would be no list");
+  assert.equal(outWords(rows(0.001)), "e0 (−0.1\u00a0%)", "a list of none would be no list");
 });
 
 test("a surprise has no points, and says whether it is found", async () => {
@@ -178,4 +178,9 @@ test("a surprise has no points, and says whether it is found", async () => {
   assert.equal(surpriseWords({ found: 1, hidden: 2, solved: false }), "In this knob 2 effects are hidden, 1 of them found: see whether it is found.");
   assert.match(surpriseWords({ found: 1, hidden: 1, solved: true }), /is in the model, and nothing that was not\.$/);
   assert.match(surpriseWords({ found: 1, hidden: 1, solved: false }), /but so is something that was not\.$/);
+});
+
+test("a fall has the digits that it has where it is told without its sign", () => {
+  for (const share of [0.088, 0.0973, 0.31, 0.002]) assert.equal(percent(-share), `−${percent(share)}`);
+  assert.deepEqual([0, -0.0001, -0.097].map(percent), ["0\u00a0%", "0\u00a0%", "−9.7\u00a0%"]);
 });

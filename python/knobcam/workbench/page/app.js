@@ -142,7 +142,7 @@ function thousands(many) {
 }
 function percent(share) {
   if (!Number.isFinite(share)) return "–";
-  const text = (100 * share).toFixed(share > 0 && share < 0.1 ? 1 : 0);
+  const text = (100 * share).toFixed(Math.abs(share) < 0.1 ? 1 : 0);
   return `${Number(text) === 0 ? "0" : text} %`.replaceAll("-", "−");
 }
 function torqueScale({ unit, peak }) {
