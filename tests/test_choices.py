@@ -13,7 +13,7 @@ from known import BASE, SAMPLES, Known, climbed, comparison, estimate, split
 import knobcam as kc
 from knobcam.fit import refit, verdict
 from knobcam.fit.rule import RULE
-from knobcam.learn import earlier, exchanged, joined, selection
+from knobcam.learn import earlier, exchanged, joined, search, selection
 from knobcam.learn.cut import Cut
 from knobcam.learn.ladder import LearningStep, Unexplained
 from knobcam.learn.learning import LearningResult
@@ -171,8 +171,8 @@ def without(fit: Any, effect: str) -> Any:
 
 
 def test_where_too_many_came_in_the_joint_among_them_is_tried_alone(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(selection, "converged", lambda fit: fit)
-    monkeypatch.setattr(selection, "drop", without)
+    monkeypatch.setattr(search, "converged", lambda fit: fit)
+    monkeypatch.setattr(search, "drop", without)
     came = [("presliding", 9.0), ("backlash", 4.0), ("friction_drift", 2.0), ("return_spring", 1.0)]
     for p_value, steps, tried in (
         (0.001, came, True),
@@ -182,10 +182,10 @@ def test_where_too_many_came_in_the_joint_among_them_is_tried_alone(monkeypatch:
         (0.001, [came[1], came[0], *came[2:]], False),
         (0.001, [("stribeck", 4.0) if name == "backlash" else (name, rmse) for name, rmse in came], False),
     ):
-        monkeypatch.setattr(selection, "chance_of", lambda fit, before, diagnosis, p=p_value: p)
+        monkeypatch.setattr(search, "chance_of", lambda fit, before, diagnosis, p=p_value: p)
         ladder = climbed(*steps)
         ladder[1].diagnosis.fit = ladder[0].fit  # type: ignore[union-attr]
-        step = selection.joint_first(ladder)
+        step = search.joint_first(ladder)
         assert (step is not None) == tried, steps
         if step is not None:
             assert (step.added, step.p_value) == ("backlash", 0.001) and step.fit.before is ladder[0].fit
@@ -357,13 +357,13 @@ def test_a_joint_that_leads_by_a_sketch_is_followed_and_nothing_else(monkeypatch
         def best(self) -> Any:
             return self.candidates[0] if self.candidates else None
 
-    monkeypatch.setattr(selection, "converged", lambda fit: replace(fit, rmse=0.5 * fit.rmse))
-    monkeypatch.setattr(selection, "judged", lambda comparison, candidates: tuple(candidates))
-    monkeypatch.setattr(selection, "gain", lambda before, after, noise: before.rmse - after.rmse)
+    monkeypatch.setattr(search, "converged", lambda fit: replace(fit, rmse=0.5 * fit.rmse))
+    monkeypatch.setattr(search, "judged", lambda comparison, candidates: tuple(candidates))
+    monkeypatch.setattr(search, "gain", lambda before, after, noise: before.rmse - after.rmse)
     joint, load = Led("backlash", "coupling", 9.0, Known(2.0)), Led("offset", "load", 8.0, Known(3.0))
 
     def end(*candidates: Led) -> Any:
-        return selection.followed(Weighed(Known(4.0), candidates), lambda _: None)
+        return search.followed(Weighed(Known(4.0), candidates), lambda _: None)
 
     told = end(load, joint)
     assert told.best.effect == "backlash" and told.candidates[1] is load

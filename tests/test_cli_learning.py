@@ -11,7 +11,7 @@ from command import knobcam, process
 from matplotlib.figure import Figure
 
 import knobcam as kc
-from knobcam.learn import selection
+from knobcam.learn import search
 from knobcam.show import report
 
 
@@ -158,7 +158,7 @@ def test_learn_that_is_interrupted_prints_what_it_knew_and_ends_with_130(
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(selection, "worth_adding", interrupted)
+    monkeypatch.setattr(search, "worth_adding", interrupted)
     ended = knobcam("learn", recorded, "--json")
     assert ended.code == 130 and "interrupted" in ended.err
     document = json.loads(ended.out)

@@ -7,7 +7,7 @@ import json
 import pytest
 
 import knobcam as kc
-from knobcam.learn import Interrupted, learning, selection
+from knobcam.learn import Interrupted, learning, search
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +32,7 @@ def test_a_search_with_time_enough_is_not_cut(faultless: kc.Capture) -> None:
 def test_what_came_in_before_the_cut_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     knob = kc.hiding("knob1", "stribeck", motion="multisine")
     capture = kc.simulate(knob, "multisine", duration_s=3.0, seed=2)
-    weigh, asked = selection.worth_adding, []
+    weigh, asked = search.worth_adding, []
 
     def once(*args: object, **options: object) -> object:
         if asked:
@@ -40,7 +40,7 @@ def test_what_came_in_before_the_cut_is_kept(monkeypatch: pytest.MonkeyPatch) ->
         asked.append(True)
         return weigh(*args, **options)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(selection, "worth_adding", once)
+    monkeypatch.setattr(search, "worth_adding", once)
     with pytest.raises(Interrupted) as ended:
         learning.learn(capture)
     known = ended.value.so_far

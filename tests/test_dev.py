@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 from importlib import util
 from pathlib import Path
 from types import ModuleType
@@ -38,3 +39,34 @@ def test_a_first_look_builds_the_extension_and_nothing_for_other_programs(
     assert [line for line in looked if "maturin" in line] and looked[-1].endswith("knobcam demo")
     assert not [line for line in looked if "knobstep" in line]
     assert len([line for line in worked if "knobstep" in line]) == 2
+
+
+def asked_of_crates(*selection: str) -> dict[str, str]:
+    """The features of every crate that a build of cargo would compile."""
+    words = [
+        "cargo",
+        "tree",
+        "--locked",
+        "--prefix",
+        "none",
+        "--no-dedupe",
+        "--format",
+        "{p}\t{f}",
+        *selection,
+    ]
+    told = subprocess.run(words, cwd=FILE.parent, capture_output=True, text=True, check=True).stdout
+    return {name: features for name, _, features in (line.partition("\t") for line in told.splitlines())}
+
+
+def test_one_compiled_core_serves_whatever_is_built_with_an_operating_system() -> None:
+    core = asked_of_crates("--package", "knobcore", "--edges", "normal")
+    tests = [word for name in ("core", "render", "rig", "step") for word in ("--package", f"knob{name}")]
+    for selection in (
+        ["--package", "knobpy", "--edges", "normal"],
+        ["--package", "knobstep", "--edges", "normal"],
+        [*tests, "--edges", "normal,dev"],
+        ["--package", "knobrig", "--features", "orders", "--edges", "normal,dev"],
+    ):
+        asked = asked_of_crates(*selection)
+        other = {name: asked[name] for name in core.keys() & asked.keys() if asked[name] != core[name]}
+        assert not other, selection

@@ -72,6 +72,8 @@ pub mod floor;
 #[cfg(feature = "std")]
 pub mod fit;
 #[cfg(feature = "std")]
+mod spans;
+#[cfg(feature = "std")]
 pub mod stiction;
 
 #[cfg(feature = "std")]

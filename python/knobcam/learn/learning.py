@@ -32,7 +32,8 @@ from .loosened import with_shapes
 from .proposals import Proposals
 from .proposing import accepted, propose
 from .rivals import in_percent, with_choice
-from .selection import concluded, select
+from .search import Search
+from .selection import concluded
 from .to_record import to_record
 
 if TYPE_CHECKING:
@@ -321,8 +322,8 @@ def learn(
     first = as_logged(captures, model, prepare=prepare, detents=detents, **options)
     given = model is not None
     automatic = not given and detents == "auto"
-    selection = select(first, without, tell, deadline, given=given, detents=automatic)
-    learned = LearningResult(*selection, without)
+    search = Search(first, without, tell, deadline, given=given, detents=automatic)
+    learned = LearningResult(*search.selected(), without)
     if learned.cut is not None and learned.cut.by == "interrupt":
         raise Interrupted(learned)
     return learned

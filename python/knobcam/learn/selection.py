@@ -1,4 +1,4 @@
-"""Which effects come in, in which order, and when to stop."""
+"""What a ladder says: which effects were causes, and what remains."""
 
 from __future__ import annotations
 
@@ -10,28 +10,19 @@ from typing import TYPE_CHECKING, NamedTuple
 from ..base.said import OfEffect, Said, Stretch, number, said
 from ..base.said import joined as in_words
 from ..capture.prepare import travel
-from ..fit.absent import absent
-from ..fit.diagnose import Candidate, Diagnosis, diagnose, worth_adding
+from ..fit.diagnose import Candidate, Diagnosis
 from ..fit.doubts import at_bounds
-from ..fit.plausible import columns_at_fault, filtered_off, friction_drives
-from ..fit.refit import converged, drop, gain, with_clipped
+from ..fit.plausible import filtered_off, friction_drives
 from ..fit.rule import RULE
 from ..fit.uncounted import tells_nothing
 from ..fit.verdict import CHOSEN, judged, within_law
-from ..model.effects import base_effects_shown, clipping, descriptions
-from .cut import Cut, Deadline, OutOfTime
-from .earlier import retested, without_help
-from .exchanged import anew, exchanged, straightened, with_detents, with_other_detents
-from .joined import chance_of, joined, rejoined
-from .joints import followed_to, joints, overlooked
-from .knocks import beside_play, knocking, quiet, with_play
+from ..model.effects import base_effects_shown
+from .cut import Cut
 from .ladder import LearningStep, Unexplained, first_weighed
 from .limitations import width
-from .loosened import loosened
-from .ties import told_again
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Sequence
+    from collections.abc import Collection, Sequence
 
     from ..fit import Fit
     from ..fit.compare import Comparison
@@ -50,150 +41,7 @@ class Selection(NamedTuple):
     cut: Cut | None = None
 
 
-def select(
-    first: Fit,
-    without: Collection[str],
-    tell: Callable[[str], None],
-    deadline: Deadline,
-    *,
-    given: bool,
-    detents: bool,
-) -> Selection:
-    """Add effects as long as one is beyond chance, physical and worth it; re-test the earlier ones each time.
-
-    `given` says that a user gave the first model; the base model has detents where there are any, so that
-    these are nothing to find. `detents` says that they come in by themselves where the data show them. The
-    deadline, or Ctrl-C, cuts the search short.
-    """
-    coordinate = first.model.coordinate
-    fit = with_clipped(first) if clipping(coordinate) - set(without) else first
-    ladder = [LearningStep(fit)]
-    try:
-        grown = _grown(ladder, without, tell, deadline, given=given, detents=detents)
-        if (start := joint_first(grown.ladder)) is not None:
-            tell(
-                said("weighing what could be missing beside {joint} alone", joint=OfEffect(str(start.added)))
-            )
-            begun = [ladder[0], start]
-            again = _grown(begun, without, tell, deadline, given=given, detents=detents)
-            grown = again if again.unexplained is None else grown
-        if grown.unexplained is not None and (knocks := knocking(grown.ladder, grown.last)) is not None:
-            tell(said("weighing what could be missing between the knocks of {it}", it=OfEffect(knocks.joint)))
-            rigid = quiet(knocks, ladder[0].fit)
-            begun, beside = [rigid], {*without, *joints(coordinate)}
-            again = _grown(begun, beside, tell, deadline, given=given, detents=detents)
-            if again.unexplained is None and (steps := with_play(knocks, again.ladder)) is not None:
-                base = _nothing_to_find(first, given=given)
-                again = concluded(steps, diagnose(steps[-1].fit, only=()), base)
-            else:
-                begun = [rigid, beside_play(knocks, rigid)]
-                again = _grown(begun, without, tell, deadline, given=given, detents=detents)
-            found = again.unexplained is None and knocks.joint in again.found
-            grown = again if found else grown
-        told = told_again(grown.ladder, tell, deadline)
-        if told[-1].fit is grown.ladder[-1].fit:
-            return grown._replace(ladder=told)
-        return concluded([*told], diagnose(told[-1].fit, only=()), _nothing_to_find(first, given=given))
-    except (OutOfTime, KeyboardInterrupt) as ended:
-        return _cut_short(ladder, deadline.cut(ended), given=given)
-
-
-def _grown(
-    ladder: list[LearningStep],
-    without: Collection[str],
-    tell: Callable[[str], None],
-    deadline: Deadline,
-    *,
-    given: bool,
-    detents: bool,
-) -> Selection:
-    """Let a ladder grow in place to its end."""
-    first = ladder[0].fit
-    coordinate = first.model.coordinate
-    described, shown = descriptions(coordinate), base_effects_shown(coordinate)
-    base = first.model.effects
-    nothing_to_find = _nothing_to_find(first, given=given)
-    together = sets = False
-    helped: set[str] = set()
-
-    def weighed_together(diagnosis: Diagnosis, beside: Fit) -> list[LearningStep] | None:
-        tell("weighing what could be missing together with a joint of shaft and knob")
-        deadline.weighing = ["sets of a joint and another effect"]
-        return joined(diagnosis, beside, {*without, *described}, deadline)
-
-    while True:
-        fit = ladder[-1].fit
-        there = in_words(", ", map(OfEffect, fit.model.effects))
-        tell(said("weighing what could be missing from {there}", there=there))
-        deadline.weighing = absent(fit, {*without, *described})[0]
-        deadline()
-        diagnosis = worth_adding(fit, without, deadline)
-        diagnosis = overlooked(diagnosis, {*without, *described}, deadline)
-        best = diagnosis.best
-        if (freer := loosened(diagnosis, best.score if best else 0.0)) is not None:
-            ladder[-1] = replace(ladder[-1], fit=freer)
-            continue
-        if not together and len(ladder) == 1 and bent(diagnosis):
-            together = True
-            pair = weighed_together(diagnosis, best.fit if best else fit)
-            if pair is not None:
-                ladder[1:] = pair
-                continue
-        if best is None and not sets and not fit.log_fault and fit.noise_floor > 0.0:
-            tell("weighing what came in against other sets")
-            if (lower := anew(ladder, diagnosis.comparison, deadline)) is not None:
-                ladder[-1] = replace(ladder[-1], fit=lower)
-                continue
-            if (steps := straightened(diagnosis, deadline)) is not None:
-                ladder += steps
-                continue
-            sets = True
-            if (steps := exchanged(ladder, diagnosis.comparison, deadline)) is not None:
-                ladder[1:] = steps
-                continue
-            if (steps := rejoined(ladder, {*without, *described}, deadline)) is not None:
-                ladder[1:] = steps
-                continue
-        if best is None or len(ladder) > RULE.most or columns_at_fault(fit.prepared):
-            selection = concluded(ladder, diagnosis, nothing_to_find)
-            # What is wrong with a log, or lies beyond its filter, no effect explains.
-            enough = diagnosis.comparison.complete or within_law(fit)
-            if together or fit.log_fault or enough or not fit.noise_floor > 0.0:
-                return selection
-            led = followed(diagnosis, tell)
-            best = led.best if led is not None else None
-            diagnosis = led or diagnosis
-        if best is None:
-            together = True
-            pair = weighed_together(first_weighed(ladder) or diagnosis, fit)
-            if pair is None:
-                return selection
-            ladder[1:] = pair
-            continue
-        tell(said("adding {best}", best=OfEffect(best.effect)))
-        best, richer = followed_to(diagnosis, best)
-        if detents and richer.model.period is None:
-            richer = with_detents(richer)
-        tell("re-testing the effects that came in before")
-        came = {*(step.added for step in ladder), *shown}
-        tested = [one for one in richer.model.effects if one in came and one not in (*base, best.effect)]
-        if best.effect not in helped and (lower := without_help(richer, best, fit)) is not None:
-            helped.add(best.effect)
-            ladder[-1] = replace(ladder[-1], fit=lower)
-            continue
-        richer, dropped = retested(richer, [*tested, *(one for one in shown if detents and one in base)])
-        richer = replace(converged(richer) if dropped else richer, before=fit)
-        richer = with_other_detents(richer) if detents else richer
-        ladder.append(LearningStep(richer, best.effect, best.p_value, best.equivalent, dropped, diagnosis))
-
-
-def _nothing_to_find(first: Fit, *, given: bool) -> Collection[str]:
-    """Return the effects that are no finding: those of a first model that was given, or the base's."""
-    base = first.model.effects
-    return base if given else [*base, *base_effects_shown(first.model.coordinate)]
-
-
-def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]) -> Selection:
+def concluded(ladder: Sequence[LearningStep], last: Diagnosis, base: Collection[str]) -> Selection:
     """Return what the ladder says: which effects were causes, and what remains."""
     end = ladder[-1].fit
     came = dict.fromkeys(step.added for step in ladder if step.added is not None)
@@ -263,11 +111,11 @@ def _out_of_sight(last: Diagnosis) -> Candidate | None:
     return best if best is not None and best.effect in ruled_out else None
 
 
-def _cut_short(ladder: list[LearningStep], cut: Cut, *, given: bool) -> Selection:
+def cut_short(ladder: Sequence[LearningStep], cut: Cut, base: Collection[str]) -> Selection:
     """Return what a ladder says whose last step was not weighed to the end: no verdict on what is left."""
     fit = ladder[-1].fit
     last = Diagnosis(fit, (), dict.fromkeys(cut.not_weighed, "the search was cut short"))
-    known = concluded(ladder, last, _nothing_to_find(ladder[0].fit, given=given))
+    known = concluded(ladder, last, base)
     worst = max(last.comparison.splits, key=lambda split: split.share, default=None)
     axis, share = (worst.axis, worst.share) if worst else ("time", 0.0)
     if known.unexplained is not None:
@@ -310,55 +158,6 @@ def _most(fit: Fit, effect: str) -> bool:
     """Whether an effect takes off most of what noise would not explain without it, to first order."""
     worth = fit.core.worth(effect) * fit.noise_floor**2 / fit.white_squares
     return worth * (1.0 - RULE.mainly) >= RULE.mainly * fit.excess
-
-
-def joint_first(ladder: Sequence[LearningStep]) -> LearningStep | None:
-    """Return the step to a joint alone that came in after others, where more came in than are believed.
-
-    What came in before it may have stood in for it, and what came in after it for what that bent. None where
-    it came in first, and without one.
-    """
-    last, diagnosis = ladder[-1].fit, first_weighed(ladder)
-    came = [step.added for step in ladder if step.added in last.model.effects]
-    joint = last.model.joint
-    if diagnosis is None or joint not in came[1:] or len(came) <= RULE.believed or last.log_fault is not None:
-        return None
-    bare = last
-    for one in came:
-        # What changes another went with that.
-        if one is not None and one != joint and one in bare.model.effects:
-            bare = drop(bare, one)
-    alone = replace(converged(bare), before=diagnosis.fit)
-    p_value = chance_of(alone, diagnosis.fit, diagnosis)
-    return LearningStep(alone, joint, p_value, (), (), diagnosis) if p_value <= RULE.chance else None
-
-
-def followed(diagnosis: Diagnosis, tell: Callable[[str], None]) -> Diagnosis | None:
-    """Return a diagnosis with the coupling that leads the candidates followed to its end; None without one.
-
-    Candidates are sketched, and the error of a coupling is so rough that a sketch may stop far from its end.
-    """
-    led = [one for one in diagnosis.candidates if one.beyond_chance and not one.implausible]
-    best = max(led, key=lambda one: one.score, default=None)
-    if best is None or best.place != "coupling":
-        return None
-    tell(said("following {best} to its end", best=OfEffect(best.effect)))
-    fit = diagnosis.fit
-    end = replace(best, fit=replace(converged(best.fit), before=fit))
-    end = replace(end, gain=gain(fit, end.fit, fit))
-    rest = [one for one in diagnosis.candidates if one is not best]
-    return replace(diagnosis, candidates=judged(diagnosis.comparison, [end, *rest]))
-
-
-def bent(diagnosis: Diagnosis) -> bool:
-    """Whether a joint leads that cannot be one by its values, and what would be added in its place is a part.
-
-    What loads the shaft beside it bends it so; one after the other neither is found.
-    """
-    led = max(diagnosis.candidates, key=lambda one: one.score, default=None)
-    best = diagnosis.best
-    open_still = best is None or best.word == "part"
-    return led is not None and led.place == "coupling" and led.word == "implausible" and open_still
 
 
 def _unexplained(comparison: Comparison) -> Unexplained | None:

@@ -11,7 +11,7 @@ from ..fit.fitting import as_logged
 from ..learn import LearningResult
 from ..learn.cut import Deadline
 from ..learn.earlier import retested
-from ..learn.selection import select
+from ..learn.search import Search
 from ..model.effects import base_effects_shown
 from .learned import in_vain, ladder, learned
 from .tree import Node
@@ -111,7 +111,8 @@ def search(session: Session, tell: Tell) -> None:
     first = as_logged(captures, start.model, **start.options)
     automatic = start.model is None and start.options.get("detents", "auto") == "auto"
     foreign = session.laws_of_others(node) & set(first.model.catalogue())
-    found = select(first, foreign, heard.say, heard, given=start.model is not None, detents=automatic)
+    given = start.model is not None
+    found = Search(first, foreign, heard.say, heard, given=given, detents=automatic).selected()
     told = LearningResult(*found)
     _ = told.params  # computed here, where it is seen that it takes its time
     tell("putting what was found in place", last=True)

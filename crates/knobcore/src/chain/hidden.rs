@@ -181,6 +181,7 @@ fn between<T: Carried>(was: Option<Beside<T>>, now: Option<Beside<T>>, u: f64) -
 }
 
 /// The angle of the shaft after a share `u` of a sample, by the cubic through its angles and speeds.
+#[inline(always)]
 fn hermite([a, b]: [f64; 2], [da, db]: [f64; 2], u: f64) -> f64 {
     let v = 1.0 - u;
     v * v * (1.0 + 2.0 * u) * a + u * u * (1.0 + 2.0 * v) * b + u * v * (v * da - u * db)

@@ -5,6 +5,7 @@ use crate::effects::{Id, Joint, Place};
 use crate::model::Model;
 use crate::predict;
 use crate::signals::Signals;
+use crate::spans::spans;
 use core::ops::Range;
 
 /// Reaches of a filter that a knock lasts at most.
@@ -67,13 +68,26 @@ pub fn knocks(signals: &Signals, model: &Model, floor: f64) -> Vec<Range<usize>>
     let Some(joint) = model.joint(&p).filter(|joint: &Joint<f64>| !joint.welded) else { return Vec::new() };
     // Half a wave of the fastest that passes.
     let reach = (0.5 * signals.rate_hz / signals.passes_hz()).ceil() as usize;
+    let mut knocks = meetings(signals, model, &p, &joint, reach);
+    let met = knocks.clone();
+    for loud in loud(signals, model, floor, reach) {
+        let around = loud.start.saturating_sub(reach)..(loud.end + reach).min(met.len());
+        if met[around.clone()].contains(&true) {
+            knocks[around].fill(true);
+        }
+    }
+    spans(0..knocks.len(), 0, |at| knocks[at])
+}
+
+/// The rows from a filter's reach before the surfaces of a play meet until as long after they may have parted again.
+fn meetings(signals: &Signals, model: &Model, p: &[f64], joint: &Joint<f64>, reach: usize) -> Vec<bool> {
     let inertia = model.inertia().map_or(0.0, |at| p[at]) * joint.share;
     let lasts = std::f64::consts::PI * (inertia / joint.stiffness).max(0.0).sqrt() * signals.rate_hz;
     let lasts = (lasts.ceil() as usize).min(LONGEST * reach);
     let mut rows = vec![false; signals.len()];
     for passage in signals.passages() {
         let motion = signals.motion_columns(passage.clone());
-        let hidden = chain::knob(model, &p, motion, 1.0 / signals.rate_hz, signals.substeps);
+        let hidden = chain::knob(model, p, motion, 1.0 / signals.rate_hz, signals.substeps);
         let Some([theta, ..]) = hidden else { continue };
         let mut touched = true;
         for (i, at) in passage.clone().enumerate() {
@@ -85,34 +99,20 @@ pub fn knocks(signals: &Signals, model: &Model, floor: f64) -> Vec<Range<usize>>
             touched = touches;
         }
     }
+    rows
+}
+
+/// Where the error, within a filter's reach, is loud.
+fn loud(signals: &Signals, model: &Model, floor: f64, reach: usize) -> Vec<Range<usize>> {
     let torque = predict::torque(model, signals);
     let squares =
         |at: usize| if signals.weight[at] > 0.0 { (signals.tau[at] - torque[at]).powi(2) } else { 0.0 };
     let mut sums = vec![0.0; signals.len() + 1];
     (0..signals.len()).for_each(|at| sums[at + 1] = sums[at] + squares(at));
-    let around = |at: usize| (at.saturating_sub(reach), (at + reach + 1).min(signals.len()));
-    let loud = |at: &usize| {
-        let (from, to) = around(*at);
+    spans(0..signals.len(), 0, |at| {
+        let (from, to) = (at.saturating_sub(reach), (at + reach + 1).min(signals.len()));
         sums[to] - sums[from] > LOUD * floor * floor * (to - from) as f64
-    };
-    let loud: Vec<bool> = (0..signals.len()).map(|at| loud(&at)).collect();
-    let mut knocks = rows.clone();
-    let mut from = 0;
-    for run in loud.chunk_by(|a, b| a == b) {
-        let (start, end) = (around(from).0, (from + run.len() + reach).min(rows.len()));
-        if run[0] && rows[start..end].contains(&true) {
-            knocks[start..end].fill(true);
-        }
-        from += run.len();
-    }
-    let mut stretches = Vec::new();
-    let mut from = 0;
-    for run in knocks.chunk_by(|a, b| a == b) {
-        let to = from + run.len();
-        stretches.extend(run[0].then_some(from..to));
-        from = to;
-    }
-    stretches
+    })
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@ use crate::model::Run;
 use crate::param::Axis;
 use crate::signals::Signals;
 use crate::smooth::Noise;
+use crate::spans::spans;
 
 pub use edge::{Edge, Ripple, taken_off};
 pub use incoherent::Incoherent;
@@ -266,7 +267,7 @@ fn with_motion(
     }
     weight = without_unsure(&weight, &moving, &segments, settle / 2).unwrap_or(weight);
     let bridged = segments.iter().filter(|_| how.bridged);
-    let bridges = bridged.flat_map(|segment| not_measured(recording.measured, segment));
+    let bridges = bridged.flat_map(|segment| spans(segment.clone(), 0, |at| !recording.measured[at]));
     let start = recording.t.first().copied().unwrap_or(0.0);
     let mut signals = Signals {
         run: recording.run.clone(),
@@ -303,18 +304,6 @@ fn beside(recording: &Recording<'_>, moving: &Moving, usable: &Usable, hz: f64) 
     };
     let rates = [recording.rate_hz, hz];
     incoherent::incoherent(moving, recording.tau, recording.axis, &inside, rates, leaves)
-}
-
-/// Runs of rows in a segment that were not measured.
-fn not_measured(measured: &[bool], segment: &Range<usize>) -> Vec<Range<usize>> {
-    let mut runs: Vec<Range<usize>> = Vec::new();
-    for at in segment.clone().filter(|&at| !measured[at]) {
-        match runs.last_mut().filter(|run| run.end == at) {
-            Some(run) => run.end = at + 1,
-            None => runs.push(at..at + 1),
-        }
-    }
-    runs
 }
 
 /// What is left of the stretches beside what the filter needs.

@@ -1,6 +1,6 @@
 //! Which way each lane of a number goes, where not all of them go the same.
 
-use super::{Dual, Packed, Scalar};
+use super::{Dual, Packed, Scalar, each};
 use core::fmt::Debug;
 
 /// A set of lanes.
@@ -88,12 +88,12 @@ impl<const L: usize> Branches for Dual<f64, L> {
     }
     #[inline(always)]
     fn scaled(self, by: f64) -> Self {
-        Self { v: self.v * by, d: self.d.map(|d| d * by) }
+        Self { v: self.v * by, d: each(0.0, |i| self.d[i] * by) }
     }
     #[inline(always)]
     fn over(self, by: f64) -> Self {
         let inverse = 1.0 / by;
-        Self { v: self.v / by, d: self.d.map(|d| d * inverse) }
+        Self { v: self.v / by, d: each(0.0, |i| self.d[i] * inverse) }
     }
     #[inline(always)]
     fn positive(self) -> bool {
@@ -113,11 +113,11 @@ impl<const L: usize> Lanes for Mask<L> {
     const NONE: Self = Self([0; L]);
     #[inline(always)]
     fn not(self) -> Self {
-        Self(self.0.map(|lane| !lane))
+        Self(each(0, |i| !self.0[i]))
     }
     #[inline(always)]
     fn and(self, other: Self) -> Self {
-        Self(core::array::from_fn(|i| self.0[i] & other.0[i]))
+        Self(each(0, |i| self.0[i] & other.0[i]))
     }
     #[inline(always)]
     fn any(self) -> bool {
@@ -142,11 +142,11 @@ impl<const L: usize> Branches for Packed<L> {
     }
     #[inline(always)]
     fn positive(self) -> Mask<L> {
-        Mask(self.0.map(|x| if x > 0.0 { !0 } else { 0 }))
+        Mask(each(0, |i| if self.0[i] > 0.0 { !0 } else { 0 }))
     }
     #[inline(always)]
     fn choose(lanes: Mask<L>, yes: Self, no: Self) -> Self {
-        Self(core::array::from_fn(|i| if lanes.0[i] != 0 { yes.0[i] } else { no.0[i] }))
+        Self(each(0.0, |i| if lanes.0[i] != 0 { yes.0[i] } else { no.0[i] }))
     }
 }
 

@@ -14,6 +14,7 @@ pub use branches::{Branches, Lanes};
 pub use dual::Dual;
 pub(crate) use dual::lane_by_lane;
 pub use known::Known;
+pub(crate) use pack::each;
 pub use pack::{LANES, Pack, Packed, WIDE, Wide};
 
 use core::fmt::Debug;

@@ -19,6 +19,17 @@ pub type Pack = Packed<LANES>;
 /// Samples that are evaluated side by side.
 pub type Wide = Packed<WIDE>;
 
+/// A number for each of some places. In a loop, of which the compiler makes vector instructions: the functions that the
+/// arrays of the library have for it may be called place by place, within the innermost loop of a simulation.
+#[inline(always)]
+pub(crate) fn each<T: Copy, const N: usize>(nothing: T, at: impl Fn(usize) -> T) -> [T; N] {
+    let mut all = [nothing; N];
+    for i in 0..N {
+        all[i] = at(i);
+    }
+    all
+}
+
 impl<const L: usize> Packed<L> {
     /// The samples of `x` from `at` on; lanes beyond the end repeat the last sample.
     #[inline(always)]
@@ -27,7 +38,7 @@ impl<const L: usize> Packed<L> {
             return Self(*lanes);
         }
         let last = x.len().saturating_sub(1);
-        Self(core::array::from_fn(|i| x.get((at + i).min(last)).copied().unwrap_or(0.0)))
+        Self(each(0.0, |i| x.get((at + i).min(last)).copied().unwrap_or(0.0)))
     }
 
     /// Writes as many lanes as `out` has room for from `at` on.
@@ -58,11 +69,7 @@ impl<const L: usize> Packed<L> {
 
     #[inline(always)]
     fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        let mut out = [0.0; L];
-        for i in 0..L {
-            out[i] = f(self.0[i], other.0[i]);
-        }
-        Self(out)
+        Self(each(0.0, |i| f(self.0[i], other.0[i])))
     }
 }
 
@@ -120,20 +127,12 @@ impl<const L: usize> Scalar for Packed<L> {
 
     #[inline(always)]
     fn exp(self) -> Self {
-        let mut out = [0.0; L];
-        for i in 0..L {
-            out[i] = elementary::exp(self.0[i]);
-        }
-        Self(out)
+        Self(each(0.0, |i| elementary::exp(self.0[i])))
     }
 
     #[inline(always)]
     fn ln(self) -> Self {
-        let mut out = [0.0; L];
-        for i in 0..L {
-            out[i] = elementary::ln(self.0[i]);
-        }
-        Self(out)
+        Self(each(0.0, |i| elementary::ln(self.0[i])))
     }
 
     #[inline(always)]
@@ -149,11 +148,7 @@ impl<const L: usize> Scalar for Packed<L> {
 
     #[inline(always)]
     fn where_positive(self, yes: Self, no: Self) -> Self {
-        let mut out = [0.0; L];
-        for i in 0..L {
-            out[i] = if self.0[i] > 0.0 { yes.0[i] } else { no.0[i] };
-        }
-        Self(out)
+        Self(each(0.0, |i| if self.0[i] > 0.0 { yes.0[i] } else { no.0[i] }))
     }
 
     #[inline(always)]
@@ -163,11 +158,7 @@ impl<const L: usize> Scalar for Packed<L> {
 
     #[inline(always)]
     fn where_above(self, other: Self, yes: Self, no: Self) -> Self {
-        let mut out = [0.0; L];
-        for i in 0..L {
-            out[i] = if self.0[i] > other.0[i] { yes.0[i] } else { no.0[i] };
-        }
-        Self(out)
+        Self(each(0.0, |i| if self.0[i] > other.0[i] { yes.0[i] } else { no.0[i] }))
     }
 
     #[inline]

@@ -13,6 +13,7 @@ use super::lifts::{Lifts, WINDOW};
 use super::rts::{Motion, smooth_rows};
 use super::sensors::Sensors;
 use super::state::Model;
+use crate::spans::spans;
 use std::ops::Range;
 
 /// Standard deviations from what the others predict, beyond which a reading can be none.
@@ -61,7 +62,8 @@ const PLACES: usize = 100;
 pub fn strays(sensors: &Sensors<'_>, model: &Model, motion: &Motion) -> Option<[Vec<usize>; 3]> {
     let all = sums(sensors, model, motion);
     let spreads = all.each_ref().map(|sums| spread(sums));
-    let places = places(&beyond_chance(&all, &spreads));
+    let out_of_line = beyond_chance(&all, &spreads);
+    let places = spans(0..out_of_line.len(), BETWEEN, |i| out_of_line[i]);
     if places.is_empty() {
         return None;
     }
@@ -82,18 +84,6 @@ pub fn strays(sensors: &Sensors<'_>, model: &Model, motion: &Motion) -> Option<[
         }
     }
     Some(found)
-}
-
-/// Runs of windows that are out of line, with few between them.
-fn places(out_of_line: &[bool]) -> Vec<Range<usize>> {
-    let mut places: Vec<Range<usize>> = Vec::new();
-    for i in (0..out_of_line.len()).filter(|&i| out_of_line[i]) {
-        match places.last_mut().filter(|last| i <= last.end + BETWEEN) {
-            Some(last) => last.end = i + 1,
-            None => places.push(i..i + 1),
-        }
-    }
-    places
 }
 
 /// The readings without which a place, some windows, is in line.

@@ -21,7 +21,7 @@ pub use along::{Along, Response, Totals};
 
 use super::{Info, Joint};
 use crate::motion::{Load, Motion};
-use crate::scalar::{Branches, Dual, Scalar, Wide};
+use crate::scalar::{Branches, Dual, Scalar, Wide, each};
 
 /// The least that a factor on the dry friction leaves of it: friction never pushes.
 pub(super) const LEAST: f64 = 1e-3;
@@ -113,7 +113,7 @@ carried!(Wide, load_wide, joint_wide);
 /// The first `N` of a slice, as an array; a model always hands over as many as the effect has.
 #[inline(always)]
 pub(crate) fn take<T: Scalar, const N: usize>(p: &[T]) -> [T; N] {
-    core::array::from_fn(|i| p.get(i).copied().unwrap_or(T::of(0.0)))
+    each(T::ZERO, |i| p.get(i).copied().unwrap_or(T::ZERO))
 }
 
 /// Parameters of which those from `first` on are differentiated by, one lane each.
