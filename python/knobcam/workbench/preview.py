@@ -24,7 +24,7 @@ _FEWEST = 2  # an angle, and a torque: the times may be told by a rate
 _WIDE = 60  # pieces of a column's outline
 _NOT_PLAIN = "is not plain enough"
 _FILLED_IN = (
-    "The names of its columns do not say which is which. The fields hold what they seem to be, by names and "
+    "the names of its columns do not say which is which. The fields hold what they seem to be, by names and "
     "values: look whether that is right."
 )
 
@@ -62,7 +62,7 @@ def explained(
             why = said.removeprefix(f"{path}: ").removeprefix(f"{name}: ").partition("; the file has ")[0]
             said = f"{name}: {_plainly(why, len(shown))}"
         if isinstance(again, Unclear) and _by_names_alone(again) and {"theta", "tau"} <= set(found):
-            said = _FILLED_IN  # what it lacks by name stands in the fields already
+            said = f"{name}: {_FILLED_IN}"  # what it lacks by name stands in the fields already
         guess = {name: _guessed(entry) for name, entry in found.items()}
         return Unmapped(said, shown[:_MOST], guess)
     return error
