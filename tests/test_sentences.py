@@ -51,6 +51,10 @@ def test_a_sentence_is_text_and_keeps_what_it_is_made_of() -> None:
 
 
 def test_a_stretch_that_has_words_is_told_by_them_and_one_that_was_kept_before_it_could_comes_back() -> None:
+    near = Stretch("position", -5.049e-8, 0.4, "rad", 1)
+    assert (
+        str(near) == "0 to 0.4 rad forward" and str(near._replace(low=-4e-4)) == "-0.0004 to 0.4 rad forward"
+    )
     line = Said(Stretch("frequency", 10.0, 20.0, "Hz", 0, "a line at 15.0 Hz"))
     assert line == "a line at 15.0 Hz" == Said.of(line.document())
     check(line.document(), list[Part])

@@ -153,6 +153,20 @@ def test_a_unit_of_time_that_nobody_knows_is_left_for_the_page_to_ask(tmp_path: 
     assert asked.guess["theta"]["unit"] == "rad"
 
 
+def test_columns_that_are_all_guessed_are_asked_to_be_looked_at_in_no_names_of_the_command(
+    tmp_path: Path,
+) -> None:
+    log = tmp_path / "messung.csv"
+    t = np.arange(0.0, 4.0, 1e-3)
+    rows = np.column_stack([1e3 * t, 60.0 * np.sin(9.0 * t), 20.0 * np.cos(9.0 * t)])
+    np.savetxt(log, rows, delimiter=";", header="Kanal 1;Kanal 2;Kanal 3\nms;°;mNm", comments="", fmt="%.4f")
+    with pytest.raises(InputError, match="not plain enough") as refusal:
+        kc.load(log)
+    asked = explained(refusal.value, log, {}, 10**9)
+    assert isinstance(asked, Unmapped) and {*asked.guess} == {"t", "theta", "tau"}
+    assert "fields hold what they seem to be" in str(asked) and "theta" not in str(asked)
+
+
 def test_what_came_in_stays_in_the_headline_while_something_else_is_missing() -> None:
     session = Session()
     knob = kc.hiding("knob4", "return_spring", "stribeck", motion="sweep", duration_s=4.0)

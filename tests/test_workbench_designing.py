@@ -184,12 +184,28 @@ def test_what_came_in_and_is_needless_beside_what_came_in_since_is_told_and_goes
     for effect in ("unbalance", "return_spring"):
         post(client, "add", effect=effect)
         bench.session.weigh()
-    assert shown(client)["needless"] == ["unbalance"]
+    both = shown(client)
+    assert both["needless"] == ["unbalance"]
+    # It is still in the model, but what is needless was not missing.
+    said = "return_spring (or position_polynomial) was missing; with it the rest is chance."
+    assert Said.of(both["concluded"]) == said and both["added"] == []
+    report = client.get("/api/download", params={"what": "report"}).text.partition("<figure")[0]
+    assert "was missing; with it the rest is chance." in report and "nbalance" not in report
     post(client, "drop", effect="unbalance")
     bench.session.weigh()
     state = shown(client)
     assert state["needless"] == [] and state["concluded"]
     assert [one["label"] for one in state["ladder"]][-1] == "+ return_spring"
+
+
+def test_a_parameter_that_is_known_together_with_another_has_a_motion_of_its_own(
+    client: httpx.Client,
+) -> None:
+    post(client, "simulate", **SPRUNG)
+    post(client, "design", effects=[], sharpen="inertia.M", limits={"duration_s": 6.0})
+    design = shown(client)["experiment"]
+    assert design["promises"][0] == {"param": "inertia.M"} and design["pairs"] == []
+    wrong(client.post("/api/design", json={"sharpen": "spring.k"}), 400, "is no parameter that was fitted")
 
 
 def test_an_emulated_rig_is_recorded_from_with_the_same_knob_in_it(

@@ -6,6 +6,7 @@ import json
 import math
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import httpx
@@ -17,6 +18,8 @@ from workbench_server import served, wrong
 import knobcam as kc
 from knobcam.base.said import Said
 from knobcam.fit.estimate import Estimate
+from knobcam.learn.left import Map
+from knobcam.workbench import surface
 from knobcam.workbench.bench import Bench
 from knobcam.workbench.proposing import doubt_of, looked_for, taken, typed
 from knobcam.workbench.script import script
@@ -316,3 +319,34 @@ def test_a_value_of_a_law_that_is_not_determined_is_marked_among_the_parameters(
     typed(session, "a*tanh(omega/w)", "other", {"w": 1e-4}, quiet)
     doubts = {one["name"]: one["doubt"] for one in document(session)["params"]}
     assert {"param": "coulomb.neg"} in (doubts["other.a"] or [])
+
+
+def test_what_is_left_over_two_variables_is_never_more_than_was_measured() -> None:
+    # A motor at one speed goes along one line of time and angle: what a map has beside it is of no sample.
+    t = np.linspace(0.0, 10.0, 2001)
+    turned = 0.2 * t
+    rest = 0.1 * np.sin(2.0 * np.pi * t / 5.0)
+    x, y = np.linspace(0.0, 10.0, 21), np.linspace(0.0, 2.0, 21)
+    beside_it = np.abs(x[None, :] / 10.0 - y[:, None] / 2.0) < 0.15
+    steep = np.where(beside_it, 40.0 * (x[None, :] / 10.0 - y[:, None] / 2.0), np.nan)
+    signals = SimpleNamespace(
+        capture=SimpleNamespace(t=t),
+        **{"theta": turned, "omega": np.full(2001, 0.2), "alpha": np.zeros(2001)},
+        on_capture=lambda column: column,
+        core=SimpleNamespace(column=lambda _: turned),
+    )
+    found: Any = SimpleNamespace(
+        beside=SimpleNamespace(residual=rest, prepared=[signals]),
+        map=Map(("t", "theta"), "", x, y, steep, np.full(steep.shape, 0.1)),
+        laws=[
+            SimpleNamespace(variables=("t",), fit=SimpleNamespace(residual=rest)),
+            SimpleNamespace(variables=("t", "theta"), fit=SimpleNamespace(residual=0.5 * rest)),
+        ],
+    )
+    shown = surface.document(found)
+    assert shown is not None and shown["laws"][0] is None and shown["laws"][1] is not None
+    left, law = (np.array(one, dtype=float) for one in (shown["value"], shown["laws"][1]))
+    there = np.isfinite(left)
+    assert there.sum() > 40 and not there[~beside_it].any()
+    assert 0.02 < np.abs(left[there]).max() <= 0.1
+    assert law[there] == pytest.approx(0.5 * left[there])

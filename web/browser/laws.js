@@ -33,6 +33,12 @@ await accessible(page, "laws");
 await page.mouse.move(1, 1);
 await looked.waitFor({ state: "hidden" });
 
+// The verdict, which is read first, leads to it.
+const led = page.locator("#verdict .leads", { hasText: /^A formula$/ });
+assert.match(await page.locator("#verdict").textContent(), /A formula is proposed: it would leave [\d.]+\smNm of the [\d.]+\smNm/);
+await led.click();
+await page.locator("#laws.shown").waitFor();
+
 const before = await stateOf(page);
 await page.getByLabel("name of law 1").fill("eddy");
 assert.equal(await looked.textContent(), "what law 1 would explain"); // for the keys are there

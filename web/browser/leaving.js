@@ -56,6 +56,13 @@ await page.fill("#open-path", capture);
 await done(page, "data", () => page.getByRole("button", { name: "Open", exact: true }).click());
 const narrow = await reach();
 assert.ok(narrow < 0.3 * wide, `${wide} ${narrow}`);
+
+// Several captures take a line of a narrow screen: all plots are on it nevertheless.
+await page.setViewportSize({ width: 800, height: 900 });
+const bottoms = await page.evaluate(() =>
+  [document.getElementById("plots"), ...[...document.querySelectorAll("#plots .plot")].filter((one) => one.checkVisibility())].map((one) => one.getBoundingClientRect().bottom));
+assert.equal(bottoms.length, 7);
+assert.ok(Math.max(...bottoms) <= bottoms[0] + 1, `a plot is cut off: ${bottoms}`);
 assert.deepEqual(complaints, []);
 await browser.close();
 console.log(JSON.stringify({ rmse: [before.rmse, after.rmse] }));

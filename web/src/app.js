@@ -250,8 +250,7 @@ class App {
       add: (effect) => this.ask("add", { effect }, "add"),
       apart: (effects) => this.next.design(effects),
       every: () => this.ask("search", {}, "search"),
-      error: () => shown(byId("ladder")),
-      findings: () => shown(byId("findings")),
+      ...{ error: () => shown(byId("ladder")), findings: () => shown(byId("findings")), laws: () => shown(byId("laws")) },
     });
     if (state.recording) this.live?.follow();
     showHidden(state);
@@ -270,6 +269,7 @@ class App {
     showFindings(byId("findings"), state, about, {
       see: (capture, finding) => this.find(capture, finding),
       overrule: (capture, finding, on) => this.ask("overrule", { capture, finding, on }, "data"),
+      sharpen: (param) => void this.next.design([], param),
     });
     byId("open-together").hidden = state.captures.length === 0;
     showLadder(byId("ladder"), state);

@@ -11,6 +11,8 @@ import { apartButton, boundsButton } from "./untold.js";
 /** @typedef {import("./types.js").State} State */
 
 const NOTHING = "No effect that was weighed explains enough of what is left.";
+const NO_MORE = "Nothing that was weighed is still missing.";
+const NAMED = 0.01; // of the error, from which on what is ruled out is named
 /** Of who goes step by step, for the one path may end elsewhere than the other. */
 const ALONE = "Weighed one at a time; Find everything weighs sets too, from the first model on, and may end elsewhere.";
 
@@ -59,13 +61,13 @@ export class Candidates {
     });
     this.place.replaceChildren(
       ...(candidates.ready ? [] : [make("p", { class: "soft" }, job ? `${sentence(job.what, about)} …` : ask)]),
-      candidates.ready && !searched && this.items.length > 0 ? make("p", { class: "soft alone", text: ALONE }) : "",
+      candidates.ready && !searched && could.length > 0 ? make("p", { class: "soft alone", text: ALONE }) : "",
       ...(candidates.ready && this.items.length === 0
         ? [make("p", { class: "well", text: "Nothing is left to be weighed." })]
         : []),
-      candidates.ready && could.length === 0 && this.items.length > 0 ? make("p", { class: "soft", text: NOTHING }) : "",
+      candidates.ready && could.length === 0 && this.items.length > 0 ? make("p", { class: "soft", text: candidates.unexplained ? NOTHING : NO_MORE }) : "",
       make("ul", { "aria-label": "candidates", class: "candidates" }, ...this.items.slice(0, could.length)),
-      out.length > 0 ? folded(out, `${out.length} ruled out by values that none can have: ${ruledOut.map(outWords).join(", ")}`) : "",
+      out.length > 0 ? folded(out, `${out.length} ruled out by values that none can have: ${outWords(ruledOut)}`) : "",
       others.length > 0 ? folded(others, `${restWords(others.length, this.items.length)}: no better than chance, or too little to matter`) : "",
       ...(concluded.length > 0 ? [] : remainder(candidates.unexplained, about)), // where it stands first already
     );
@@ -177,9 +179,11 @@ export function restWords(rest, all) {
   return rest < all ? `${rest} more` : `${rest} weighed`;
 }
 
-/** @param {Candidate} row */
-function outWords({ effect, error_fall: fall }) {
-  return `${titleOf(effect)} (${percent(-Math.max(0, fall))})`;
+/** What would have taken something off; the others are counted. @param {Candidate[]} rows */
+export function outWords(rows) {
+  const some = rows.filter(({ error_fall: fall }) => fall >= NAMED);
+  const named = (some.length > 0 ? some : rows.slice(0, 1)).map(({ effect, error_fall: fall }) => `${titleOf(effect)} (${percent(-Math.max(0, fall))})`);
+  return [...named, ...(named.length < rows.length ? [`${rows.length - named.length} that would take off less than 1\u00a0%`] : [])].join(", ");
 }
 
 /** @param {Candidate} row @param {import("./said.js").About} about */

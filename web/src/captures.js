@@ -109,7 +109,7 @@ export function textOf({ severity, said, advice }, about) {
  * @param {State} state
  * @param {About} about
  * @param {{see: (capture: string, finding: string) => void,
- *   overrule: (capture: string, finding: string, on: boolean) => void}} deeds
+ *   overrule: (capture: string, finding: string, on: boolean) => void, sharpen: (param: string) => void}} deeds
  */
 export function showFindings(place, { captures, active, limitations, disagreements, notes, job }, about, deeds) {
   const key = JSON.stringify([captures, active, limitations, disagreements, notes, about, job === null]);
@@ -127,14 +127,43 @@ export function showFindings(place, { captures, active, limitations, disagreemen
     return own.map((one) => finding(one, { id, name: several ? `${short.get(id)}: ` : "", job }, about, deeds));
   });
   found.push(...[...every.values()].map((one) => finding(one, all, about, deeds)));
-  const missing = limitations.map((said) => make("li", { class: "soft" }, "Cannot be told: ", ...nodes(said, about)));
-  const apartFrom = disagreements.map((said) => make("li", { class: "doubt" }, "⚠ The captures disagree: ", ...nodes(said, about), "."));
+  const openOnes = new Set([...place.querySelectorAll("details[data-at][open]")].map((one) => one.getAttribute("data-at")));
+  const missing = limitations.map((said) => make("li", { class: "soft" }, "Cannot be told: ", ...nodes(said, about), ...sharpening(said, about, deeds.sharpen)));
+  const apartFrom = disagreements.map((said, at) => disagreement(said, about, at, openOnes.has(String(at))));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
-  const open = place.querySelector("details")?.open ?? false;
+  const open = place.querySelector("details:not([data-at])")?.hasAttribute("open") ?? false;
   const own = found.length > FEW ? [folded(found, told, open)] : found;
   place.replaceChildren(...noted, ...apartFrom, ...missing, ...own); // what to record next is not to be looked for
   const again = focused && place.querySelector(`[data-finding="${CSS.escape(focused)}"]`);
   if (again instanceof HTMLElement) again.focus();
+}
+
+/**
+ * The button that designs the motion which tells parameters that are known together alone: of an inertia and what pulls
+ * the one named last is told by slow moves, and with it the other.
+ * @param {Finding["said"]} said
+ * @param {About} about
+ * @param {(param: string) => void} sharpen
+ */
+function sharpening(said, about, sharpen) {
+  const last = said.findLast((part) => typeof part === "object" && "param" in part);
+  if (!last || typeof last === "string" || !("param" in last)) return [];
+  const title = `the motion that makes it known best: ${sentence([last], about)}`;
+  return [". ", make("button", { type: "button", text: "Design that motion…", title, on: { click: () => sharpen(last.param) } })];
+}
+
+/**
+ * That captures ask for different values of a parameter, and by how much for who asks: it is long, and what could be
+ * missing, of which it mostly comes, stands on the screen too.
+ * @param {Finding["said"]} said
+ * @param {About} about
+ * @param {number} at
+ * @param {boolean} open
+ */
+function disagreement(said, about, at, open) {
+  const of = said.filter((part) => typeof part === "object" && "param" in part);
+  const summary = make("summary", { class: "doubt" }, "⚠ The captures disagree", ...(of.length > 0 ? [": ", ...nodes(of.slice(0, 1), about)] : []));
+  return make("li", {}, make("details", { open, "data-at": String(at) }, summary, make("p", { class: "doubt" }, ...nodes(said, about), ".")));
 }
 
 /**

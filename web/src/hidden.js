@@ -42,14 +42,27 @@ export async function showHidden({ captures, active }) {
 }
 
 /** @param {import("./types.js").Challenge} challenge */
-function showStanding({ hints, more, wrong, found, hidden, solved, given_up, sealed, score }) {
+function showStanding({ hints, more, wrong, found, hidden, solved, given_up, graded, sealed, score }) {
   document.body.classList.toggle("sealed", sealed);
   byId("unseal").hidden = !sealed;
   byId("challenge-said").classList.toggle("well", solved && !given_up);
-  byId("challenge-score").textContent = `${score} points`;
-  byId("challenge-said").textContent = standingWords({ wrong, found, hidden, solved, given_up });
+  byId("challenge-score").textContent = graded ? `${score} points` : "";
+  byId("challenge-said").textContent = graded ? standingWords({ wrong, found, hidden, solved, given_up }) : surpriseWords({ found, hidden, solved });
+  byId("hint").hidden = !graded;
   byId("challenge-hints").replaceChildren(...hints.map((text) => make("li", { text })));
   /** @type {HTMLButtonElement} */ (byId("hint")).disabled = !more || solved || given_up;
+}
+
+/**
+ * The same of a surprise, of which the page says all that it thinks: nothing is to be earned, and nothing lost by what
+ * the page itself has advised.
+ * @param {Pick<import("./types.js").Challenge, "found" | "hidden" | "solved">} standing
+ */
+export function surpriseWords({ found, hidden, solved }) {
+  const [what, is] = hidden === 1 ? ["What was hidden", "one effect is"] : [`All ${hidden} effects that were hidden`, `${hidden} effects are`];
+  if (solved) return `${what} ${hidden === 1 ? "is" : "are"} in the model, and nothing that was not.`;
+  if (found === hidden) return `${what} ${hidden === 1 ? "is" : "are"} in the model, but so is something that was not.`;
+  return `In this knob ${is} hidden${found > 0 ? `, ${found} of them found` : ""}: see whether it is found.`;
 }
 
 /**

@@ -58,15 +58,16 @@ export function showLadder(place, state) {
 }
 
 /**
- * The steps around the current one that were fitted to the same captures: errors on others cannot be compared.
+ * The steps around the current one that were fitted to the same captures: errors on others cannot be compared. A search
+ * begins with the first model, and so does its ladder: what had come in by hand is there with Undo.
  * @param {import("./types.js").Step[]} steps
  * @param {number} at
  */
-function sameCaptures(steps, at) {
+export function sameCaptures(steps, at) {
   const of = (/** @type {number} */ step) => steps[step]?.captures.join();
   let [first, end] = [at, at + 1];
-  while (first > 0 && of(first - 1) === of(at)) first--;
-  while (end < steps.length && of(end) === of(at)) end++;
+  while (first > 0 && !steps[first].anew && of(first - 1) === of(at)) first--;
+  while (end < steps.length && !steps[end].anew && of(end) === of(at)) end++;
   return { steps: steps.slice(first, end), at: at - first };
 }
 

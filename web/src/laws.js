@@ -145,7 +145,7 @@ export class Laws {
       ...{ title: "fit it with the model, as an effect of this name" },
     });
     const name = make("input", {
-      ...{ type: "text", name: "name", size: 8, placeholder: "law", spellcheck: "false", autocomplete: "off" },
+      ...{ type: "text", name: "name", size: 8, placeholder: "its name", title: "what it is called in the model; law where nothing is typed", spellcheck: "false", autocomplete: "off" },
       "aria-label": `name of law ${number}`,
     });
     const form = make("form", {}, edit, name, take);

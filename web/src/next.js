@@ -46,6 +46,7 @@ export class Next {
     this.drawn = "";
     /** @type {string[] | undefined} the effects that a motion was asked for last */
     this.effects = undefined;
+    this.sharpen = ""; // the parameter that it was asked for instead
     this.buttons();
     new ResizeObserver(() => this.draw()).observe(byId("next-plots"));
   }
@@ -86,27 +87,28 @@ export class Next {
 
   /** Design within the limits as they are now; where a motion waits for what is missing, they are kept for it. */
   again() {
-    return this.waits ? this.close() : this.design(this.asked);
+    return this.waits ? this.close() : this.design(this.asked, this.sharpen);
   }
 
   /** Whether there is nothing yet that a motion could be designed for. */
   get waits() {
-    return this.state !== null && this.told === null && this.asked.length === 0 && waitsFor(this.state);
+    return this.state !== null && this.told === null && !this.sharpen && this.asked.length === 0 && waitsFor(this.state);
   }
 
   /**
    * Design a motion for effects, and show it; for none: for what is known least. Where none is within the limits, they
    * are shown in its place.
    * @param {string[]} effects
+   * @param {string} [sharpen] the parameter that it is to make known best
    * @returns {Promise<boolean>} whether there is one
    */
-  async design(effects) {
-    this.effects = effects;
+  async design(effects, sharpen = "") {
+    [this.effects, this.sharpen] = [effects, sharpen];
     const by_hand = /** @type {HTMLInputElement} */ (byId("next-only-hand")).checked;
     this.enable(false);
     this.refuse("");
     try {
-      await this.deeds.design({ effects, limits: this.within.wanted, by_hand });
+      await this.deeds.design({ effects, sharpen, limits: this.within.wanted, by_hand });
       this.open();
       return true;
     } catch (reason) {
@@ -155,7 +157,7 @@ export class Next {
 
   /** @param {State} state */
   show(state) {
-    if (this.state?.node !== state.node) this.effects = undefined; // what was asked of another model
+    if (this.state?.node !== state.node) [this.effects, this.sharpen] = [undefined, ""]; // what was asked of another model
     this.state = state;
     showUntold(byId("untold"), state, (effects) => this.design(effects), this.deeds.drop);
     const { experiment, node, recording, candidates } = state;

@@ -35,10 +35,10 @@ export function thousands(many) {
   return String(many).replace(/\B(?=(\d{3})+$)/g, ",");
 }
 
-/** @param {number} share from 0 to 1 */
+/** @param {number} share from −1 to 1; of a fall the sign changes no digit */
 export function percent(share) {
   if (!Number.isFinite(share)) return "–";
-  const text = (100 * share).toFixed(share > 0 && share < 0.1 ? 1 : 0);
+  const text = (100 * share).toFixed(Math.abs(share) < 0.1 ? 1 : 0);
   return `${Number(text) === 0 ? "0" : text}\u00a0%`.replaceAll("-", "−");
 }
 

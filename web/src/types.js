@@ -218,14 +218,14 @@
  *
  * Of each of `untold` one is in the model, not known which; what is `needless` does what came in since does.
  * `added` is not named in what is said: what is `concluded`, if anything, be it by a search for everything
- * that ended here (`searched`), and the `verdict`. What to `record` shows more of what has no name, a motion
- * `shown_along` its axis, within `limits`; `below_hz` is the edge of the filter of torques, null without.
+ * that ended here (`searched`), and the `verdict`; only a search weighs `sets`. What to `record` shows more
+ * of what has no name, a motion `shown_along` its axis, in `limits`; `below_hz` is the edge of the filter.
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, peak: number,
  *   below_hz: number | null, params: Param[], together: Together[], rmse: number | null,
  *   rmse_heldout: number | null, added: string[],
  *   concluded: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
- *   searched: boolean,
+ *   sets: boolean, searched: boolean,
  *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   record: string | null, carried: Carried[], ladder: LadderStep[], candidates: Candidates, warnings: string[],
  *   limitations: ((string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[])[],
@@ -265,7 +265,7 @@
  *   below_hz: number | null, params: Param[], together: Together[], rmse: number | null,
  *   rmse_heldout: number | null, added: string[],
  *   concluded: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
- *   searched: boolean,
+ *   sets: boolean, searched: boolean,
  *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   record: string | null, carried: Carried[], ladder: LadderStep[], candidates: Candidates, warnings: string[],
  *   limitations: ((string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[])[],
@@ -386,10 +386,10 @@
  * The answer of `GET /api/challenge`: how it goes with what a capture hides.
  *
  * `more`: whether there is another hint; `wrong` effects were added and are not there; of the `hidden` ones
- * so many are `found`, and `solved` says that nothing else is in the model. While it is `sealed` what the
- * program thinks is not shown; `given_up`: what is hidden was told before it was found.
+ * so many are `found`, and `solved` says that nothing else is in the model. While a challenge, which is
+ * `graded`, is `sealed`, what the program thinks is not shown; `given_up`: it was told before it was found.
  * @typedef {{hints: string[], more: boolean, wrong: string[], found: number, hidden: number, solved: boolean,
- *   given_up: boolean, sealed: boolean, score: number}} Challenge
+ *   given_up: boolean, graded: boolean, sealed: boolean, score: number}} Challenge
  */
 
 /**

@@ -2,7 +2,7 @@
 
 import { make } from "./dom.js";
 import { titleOf } from "./names.js";
-import { percent } from "./numbers.js";
+import { number, percent, torqueScale } from "./numbers.js";
 import { sentence, wordsOfPart } from "./said.js";
 
 /** @typedef {import("./types.js").State} State */
@@ -10,19 +10,19 @@ import { sentence, wordsOfPart } from "./said.js";
 /** @typedef {import("./said.js").Part} Part */
 /**
  * @typedef {{place: (place: Stretch) => void, effect: (effect: string) => void, error: () => void, findings: () => void,
- *   add: (effect: string) => void, every: () => void, apart: (effects: string[]) => void}} To where its words lead
+ *   add: (effect: string) => void, every: () => void, apart: (effects: string[]) => void, laws: () => void}} To where its words lead
  * @typedef {{words: string, title: string, go: () => void, kind?: string}} Lead words that lead somewhere
  */
 
 /**
  * Show a verdict; it is announced only where its words have changed.
  * @param {HTMLElement} element
- * @param {Pick<State, "added" | "concluded" | "verdict" | "candidates" | "titles">} told
+ * @param {Pick<State, "added" | "concluded" | "verdict" | "candidates" | "titles" | "sets" | "proposed">} told
  * @param {import("./said.js").About} about
  * @param {To} to
  */
-export function showVerdict(element, { added, concluded, verdict, candidates, titles }, about, to) {
-  const key = JSON.stringify([added, concluded, verdict, candidates, about, titles]);
+export function showVerdict(element, { added, concluded, verdict, candidates, titles, sets, proposed }, about, to) {
+  const key = JSON.stringify([added, concluded, verdict, candidates, about, titles, sets, proposed]);
   if (element.dataset.told === key) return;
   element.dataset.told = key;
   const worst = [...concluded, ...verdict].find((part) => typeof part === "object" && "low" in part);
@@ -34,8 +34,9 @@ export function showVerdict(element, { added, concluded, verdict, candidates, ti
   // Where a search has come to its end, that is what is said.
   const open = concluded.length > 0 ? [] : plainly(candidates, about, to);
   const first = open.map((part) => (typeof part === "string" ? part : link(part)));
+  const ways = further({ sets, proposed }, about, to).map((part) => (typeof part === "string" ? part : link(part)));
   const head = beside(added, [...first, ...concluded.map(shown)]);
-  element.replaceChildren(...(head.length > 0 ? [make("strong", {}, ...head), " "] : []), ...verdict.map(shown));
+  element.replaceChildren(...(head.length > 0 ? [make("strong", {}, ...head), ...ways, " "] : []), ...verdict.map(shown));
 }
 
 /**
@@ -110,6 +111,23 @@ export function plainly({ ready, rows }, about, to) {
     { words: "find everything", title: "add step by step all that is missing, sets of effects too", go: () => to.every() },
     " at once.",
     ...(equivalent.length > 0 ? tied(first.word === "part", equivalent.map(lead), () => to.apart([effect, ...equivalent])) : []),
+  ];
+}
+
+/**
+ * What can still be done where no effect that was weighed alone explains what is left: sets of them, or a formula.
+ * @param {Pick<State, "sets" | "proposed">} state
+ * @param {import("./said.js").About} about
+ * @param {Pick<To, "every" | "laws">} to
+ * @returns {(string | Lead)[]}
+ */
+export function further({ sets, proposed }, about, to) {
+  const law = proposed?.[0];
+  const { factor, unit } = torqueScale(about);
+  const [left, of] = law ? [law.rmse, law.rmse / (1 - law.fall)].map((one) => number(one * factor)) : [];
+  return [
+    ...(law ? [" ", { words: "A formula", title: "what is left as a curve, and the laws that draw it", go: () => to.laws() }, ` is proposed: it would leave ${left}\u00a0${unit} of the ${of}\u00a0${unit} that it was looked for in.`] : []),
+    ...(sets ? [" Effects were weighed one at a time: ", { words: "find everything", title: "add step by step all that is missing, sets of effects too", go: () => to.every() }, " weighs sets of them too."] : []),
   ];
 }
 

@@ -6,7 +6,7 @@ import { labelWithin } from "../src/axes.js";
 import { ticks, unitWords } from "../src/numbers.js";
 import { known, paramOf } from "../src/names.js";
 import { sentence } from "../src/said.js";
-import { beside, plainly } from "../src/verdict.js";
+import { beside, further, plainly } from "../src/verdict.js";
 
 const KNOB = /** @type {const} */ ({ unit: "N m", peak: 0.02, coordinate: "rotary" });
 
@@ -151,4 +151,18 @@ test("a note that is the same of all captures is said once", async () => {
   assert.deepEqual([...alikeInAll(captures).values()], [note]);
   assert.equal(alikeInAll([...captures, /** @type {any} */ ({ findings: [] })]).size, 0);
   assert.equal(alikeInAll(captures.slice(1)).size, 0);
+});
+
+test("where no single effect explains what is left, the headline leads to a formula and to sets of effects", () => {
+  /** @type {string[]} */
+  const led = [];
+  const to = { every: () => led.push("every"), laws: () => led.push("laws") };
+  const law = /** @type {any} */ ({ rmse: 0.00063, fall: 0.65 });
+  const said = (/** @type {any} */ state) => further(state, KNOB, /** @type {any} */ (to)).map((part) => (typeof part === "string" ? part : part.words)).join("");
+  assert.equal(said({ sets: false, proposed: null }), "");
+  assert.equal(said({ sets: false, proposed: [] }), "");
+  assert.equal(said({ sets: false, proposed: [law] }), " A formula is proposed: it would leave 0.63\u00a0mNm of the 1.8\u00a0mNm that it was looked for in.");
+  assert.match(said({ sets: true, proposed: null }), /one at a time: find everything weighs sets of them too\.$/);
+  for (const part of further({ sets: true, proposed: [law] }, KNOB, /** @type {any} */ (to))) if (typeof part === "object") part.go();
+  assert.deepEqual(led, ["laws", "every"]);
 });

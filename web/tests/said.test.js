@@ -26,6 +26,12 @@ test("a stretch of an axis is in words, along the load in the unit of the torque
   assert.equal(sentence([{ ...drag, unit: "N m s^2/rad" }], KNOB), "0.00123\u00a0kg\u00a0m²");
 });
 
+test("a stretch that begins as near to zero as nothing begins there", () => {
+  const place = /** @type {const} */ ({ axis: "position", low: -5.049e-8, high: 0.4, unit: "rad", direction: 1, words: "" });
+  assert.equal(sentence([place], KNOB), "0 to 0.4\u00a0rad forward");
+  assert.equal(sentence([{ ...place, low: -0.0004 }], KNOB), "−4.000e−4 to 0.4\u00a0rad forward");
+});
+
 test("a stretch that has words of its own is told by them", () => {
   const line = /** @type {const} */ ({ axis: "frequency", low: 10.7, high: 20.5, unit: "Hz", direction: 0, words: "a line at 15.6 Hz" });
   assert.equal(sentence(["along time (", line, ")"], KNOB), "along time (a line at 15.6 Hz)");

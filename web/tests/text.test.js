@@ -152,3 +152,35 @@ test("a floor that falls with what the model explains says what it was thought t
   assert.deepEqual([0, 1].map((at) => floorWords(steps, at, String)), ["0.202", "0.2"]);
   assert.equal(floorWords([{ noise_floor: null }, { noise_floor: 1 }], 1, String), "1");
 });
+
+test("after a search the ladder has its steps alone, from the first model on", async () => {
+  const { sameCaptures } = await import("../src/ladder.js");
+  const [one, other] = [["c1"], ["c2"]];
+  const step = (/** @type {string[]} */ captures, anew = false) => /** @type {any} */ ({ captures, anew });
+  const steps = [step(one, true), step(one), step(one, true), step(one), step(one)];
+  assert.deepEqual(sameCaptures(steps, 4), { steps: steps.slice(2), at: 2 });
+  assert.deepEqual(sameCaptures(steps, 1), { steps: steps.slice(0, 2), at: 1 }, "and before it those that came in by hand");
+  assert.deepEqual(sameCaptures([step(other, true), step(one), step(one)], 2).steps.length, 2, "errors of other captures are no steps");
+});
+
+test("of what is ruled out that is named which would take something off", async () => {
+  globalThis.location = /** @type {any} */ ({ search: "" });
+  const { outWords } = await import("../src/candidates.js");
+  const rows = (/** @type {number[]} */ ...falls) => /** @type {any[]} */ (falls.map((error_fall, at) => ({ effect: `e${at}`, error_fall })));
+  assert.equal(outWords(rows(0.18, 0.002, 0)), "e0 (−18\u00a0%), 2 that would take off less than 1\u00a0%");
+  assert.equal(outWords(rows(0.001)), "e0 (−0.1\u00a0%)", "a list of none would be no list");
+});
+
+test("a surprise has no points, and says whether it is found", async () => {
+  globalThis.location = /** @type {any} */ ({ search: "" });
+  const { surpriseWords } = await import("../src/hidden.js");
+  assert.equal(surpriseWords({ found: 0, hidden: 1, solved: false }), "In this knob one effect is hidden: see whether it is found.");
+  assert.equal(surpriseWords({ found: 1, hidden: 2, solved: false }), "In this knob 2 effects are hidden, 1 of them found: see whether it is found.");
+  assert.match(surpriseWords({ found: 1, hidden: 1, solved: true }), /is in the model, and nothing that was not\.$/);
+  assert.match(surpriseWords({ found: 1, hidden: 1, solved: false }), /but so is something that was not\.$/);
+});
+
+test("a fall has the digits that it has where it is told without its sign", () => {
+  for (const share of [0.088, 0.0973, 0.31, 0.002]) assert.equal(percent(-share), `−${percent(share)}`);
+  assert.deepEqual([0, -0.0001, -0.097].map(percent), ["0\u00a0%", "0\u00a0%", "−9.7\u00a0%"]);
+});

@@ -225,8 +225,8 @@ class Session(TypedDict):
 
     Of each of `untold` one is in the model, not known which; what is `needless` does what came in since does.
     `added` is not named in what is said: what is `concluded`, if anything, be it by a search for everything
-    that ended here (`searched`), and the `verdict`. What to `record` shows more of what has no name, a motion
-    `shown_along` its axis, within `limits`; `below_hz` is the edge of the filter of torques, null without.
+    that ended here (`searched`), and the `verdict`; only a search weighs `sets`. What to `record` shows more
+    of what has no name, a motion `shown_along` its axis, in `limits`; `below_hz` is the edge of the filter.
     """
 
     schema: str
@@ -246,6 +246,7 @@ class Session(TypedDict):
     rmse_heldout: float | None
     added: list[str]
     concluded: list[Part]
+    sets: bool
     searched: bool
     verdict: list[Part]
     record: str | None

@@ -112,8 +112,8 @@ class Challenge(TypedDict):
     """The answer of `GET /api/challenge`: how it goes with what a capture hides.
 
     `more`: whether there is another hint; `wrong` effects were added and are not there; of the `hidden` ones
-    so many are `found`, and `solved` says that nothing else is in the model. While it is `sealed` what the
-    program thinks is not shown; `given_up`: what is hidden was told before it was found.
+    so many are `found`, and `solved` says that nothing else is in the model. While a challenge, which is
+    `graded`, is `sealed`, what the program thinks is not shown; `given_up`: it was told before it was found.
     """
 
     hints: list[str]
@@ -123,6 +123,7 @@ class Challenge(TypedDict):
     hidden: int
     solved: bool
     given_up: bool
+    graded: bool
     sealed: bool
     score: int
 

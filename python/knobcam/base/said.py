@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from . import pages_said as pages
 
 _DIRECTIONS = {1: " forward", -1: " backward", 0: ""}
+_NOTHING = 1e-4  # of the width of a stretch: an end as near to zero is zero
 
 
 class Quantity(NamedTuple):
@@ -35,7 +36,8 @@ class Stretch(NamedTuple):
     words: str = ""
 
     def __str__(self) -> str:
-        return self.words or f"{self.low:.4g} to {self.high:.4g} {self.unit}{_DIRECTIONS[self.direction]}"
+        low, high = (one if abs(one) > _NOTHING * (self.high - self.low) else 0.0 for one in self[1:3])
+        return self.words or f"{low:.4g} to {high:.4g} {self.unit}{_DIRECTIONS[self.direction]}"
 
 
 class OfAxis(NamedTuple):

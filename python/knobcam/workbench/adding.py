@@ -158,4 +158,8 @@ def _same(one: Fit, other: Fit) -> bool:
 
 def story(session: Session, tell: Tell) -> LearningResult:
     """Return what was learned where a session is: by a search that ended there, or on the way to it."""
-    return session.searched.get(session.node.id) or learned(session.branch.done, session.weigh(tell))
+    node = session.node.id
+    if (searched := session.searched.get(node)) is not None:
+        return searched
+    last = session.weigh(tell)
+    return learned(session.branch.done, last, session.needless.get(node, ()))

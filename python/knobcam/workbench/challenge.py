@@ -86,7 +86,8 @@ def standing(session: Session, capture: str) -> pages_sources.Challenge:
         "hidden": len(opened.hidden),
         "solved": solved,
         "given_up": told,
-        "sealed": bool((opened.simulated or {}).get("level")) and not (unsealed or solved or told),
+        "graded": (graded := bool((opened.simulated or {}).get("level"))),
+        "sealed": graded and not (unsealed or solved or told),
         "score": score,
     }
 

@@ -193,19 +193,21 @@ def designed(
     by_hand: bool,
     node: str,
     tell: Tell,
+    sharpen: str = "",
 ) -> Designed:
     """Return the motion that would tell models with each of these effects apart.
 
-    Of none: what the captures could not tell; where something is left that has no name, the motion that shows
-    more of that, and where they told everything, the one that makes the parameter known best which is known
-    least.
+    With `sharpen` the one that makes that parameter known best. Of none: what the captures could not tell;
+    where something is left that has no name, the motion that shows more of that, and where they told
+    everything, the one that makes the parameter known best which is known least.
     """
     tell("fitting the rivals")
-    axis = None if names else along(story)
+    axis = None if names or sharpen else along(story)
     within = Limits.reached(story.fit.prepared, longest_s(axis)).with_some(limits)
     found = next_experiment(
         story,
-        rivals=rivals(story, names),
+        rivals=() if sharpen else rivals(story, names),
+        sharpen=sharpen or None,
         limits=within,
         by_hand=by_hand,
         progress=tell,

@@ -51,7 +51,10 @@ class Designing:
         self.posts = {"design": self.design, "try": self.attempt}
 
     async def design(self, request: Request) -> Response:
-        """Design the motion that tells effects apart; of none, what the captures could not tell."""
+        """Design the motion that tells effects apart; of none, what the captures could not tell.
+
+        With `sharpen` it is the one that makes this parameter known best.
+        """
         body = await read_json(request)
         names, limits = body.get("effects", []), body.get("limits", {})
         if (
@@ -62,11 +65,11 @@ class Designing:
             raise InputError(f"effects: give a list of at most {_MOST} ids of the catalogue")
         if not isinstance(limits, dict):
             raise InputError('limits: give an object such as {"omega_rad_s": 5.0}')
-        by_hand = flag(body, "by_hand", False)
+        by_hand, sharpen = flag(body, "by_hand", False), text(body, "sharpen", "")
 
         def work(job: Job) -> None:
             with _clocked(job) as tell:
-                trying.design(self.bench.session, names, limits, by_hand, tell)
+                trying.design(self.bench.session, names, limits, by_hand, tell, sharpen)
 
         await finished(self.bench.work.start("designing the next motion", work))
         await run_in_threadpool(self.bench.flush)

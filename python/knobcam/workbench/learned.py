@@ -88,12 +88,16 @@ def _weighed(step: LearningStep) -> Sequence[Candidate]:
     return () if step.diagnosis is None else step.diagnosis.candidates
 
 
-def conclusion(steps: list[LearningStep], last: Diagnosis) -> Selection:
-    """Return what a ladder says that ends where `last` was weighed."""
+def conclusion(steps: list[LearningStep], last: Diagnosis, needless: Sequence[str] = ()) -> Selection:
+    """Return what a ladder says that ends where `last` was weighed.
+
+    What is `needless` is named as no cause, though it is still there: `learn` would have taken it out.
+    """
     base = steps[0].fit.model
-    return concluded(steps, last, [*base.effects, *base_effects_shown(base.coordinate), *in_vain(steps)])
+    no_causes = [*base.effects, *base_effects_shown(base.coordinate), *in_vain(steps), *needless]
+    return concluded(steps, last, no_causes)
 
 
-def learned(done: Sequence[Node], last: Diagnosis) -> LearningResult:
+def learned(done: Sequence[Node], last: Diagnosis, needless: Sequence[str] = ()) -> LearningResult:
     """Return what was learned along nodes that end where `last` was weighed."""
-    return LearningResult(*conclusion(ladder(done), last))
+    return LearningResult(*conclusion(ladder(done), last, needless))

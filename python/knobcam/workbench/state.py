@@ -61,7 +61,7 @@ def document(session: Session) -> pages.Session:
     fitted = view.fit
     told = _said(fitted)
     steps = ladder(branch.done)
-    story = searched or _end(steps, diagnosis)
+    story = searched or _end(steps, diagnosis, needless)
     left = None if story is None else story.unexplained
     headline = None if story is None else story.headline
     shown_along = None if story is None else along(story)
@@ -79,9 +79,10 @@ def document(session: Session) -> pages.Session:
         "together": told.together,
         "rmse": view.rmse,
         "rmse_heldout": view.rmse_heldout,
-        "added": _added(steps, headline),
+        "added": _added(steps, headline, needless),
         "concluded": [] if headline is None else headline.document(),
         "searched": searched is not None,
+        "sets": searched is None and left is not None and not fitted.log_fault and fitted.noise_floor > 0.0,
         "verdict": _verdict(
             steps, diagnosis or (None if searched is None else searched.weighed), story
         ).document(),
@@ -151,15 +152,22 @@ def _reached(fitted: Fit) -> dict[str, float] | None:
 
 def unexplained(session: Session) -> bool:
     """Whether it is known where the session is, and what is left there has no name."""
-    known = session.searched.get(session.node.id)
-    end = known or _end(ladder(session.branch.done), session.diagnosis_of(session.node.id))
+    node = session.node.id
+    needless = session.needless.get(node, [])
+    end = session.searched.get(node) or _end(
+        ladder(session.branch.done), session.diagnosis_of(node), needless
+    )
     return end is not None and end.unexplained is not None
 
 
-def _end(steps: list[LearningStep], diagnosis: Diagnosis | None) -> LearningResult | None:
+def _end(
+    steps: list[LearningStep], diagnosis: Diagnosis | None, needless: Sequence[str]
+) -> LearningResult | None:
     """What a ladder comes to; None where something is left to be added, and nothing is concluded yet."""
     open_still = diagnosis is None or diagnosis.best is not None
-    return None if diagnosis is None or open_still else LearningResult(*conclusion(steps, diagnosis))
+    return (
+        None if diagnosis is None or open_still else LearningResult(*conclusion(steps, diagnosis, needless))
+    )
 
 
 def absent(model: Model) -> list[Effect]:
@@ -198,6 +206,7 @@ def _nothing(session: Session) -> pages.Session:
         "added": [],
         "concluded": [],
         "searched": False,
+        "sets": False,
         "verdict": ["Open a capture to begin."],
         "record": None,
         "shown_along": None,
@@ -335,10 +344,10 @@ def _said_before(effect: Effect, view: View) -> bool:
     return effect.id in view.model.laws or bool(unsettled(effect, own))
 
 
-def _added(steps: list[LearningStep], headline: Said | None) -> list[str]:
+def _added(steps: list[LearningStep], headline: Said | None, needless: Sequence[str]) -> list[str]:
     """Return what came into the model and is not named otherwise in what is said of it."""
     parts = () if headline is None else headline.parts
-    named = {part.effect for part in parts if isinstance(part, OfEffect)} | {*in_vain(steps)}
+    named = {part.effect for part in parts if isinstance(part, OfEffect)} | {*in_vain(steps), *needless}
     came = dict.fromkeys(step.added for step in steps if step.added in steps[-1].effects)
     return [one for one in came if one is not None and one not in named]
 

@@ -1,4 +1,8 @@
-"""What is left over two variables, beside what each law makes of it there."""
+"""What is left over two variables, beside what each law makes of it there: both as means around each place.
+
+The smooth map of the core is no picture of what is left: where a motion hardly leaves one line of the plane,
+it may hold what the parameters of the model take back, far beyond anything that was measured.
+"""
 
 from __future__ import annotations
 
@@ -11,12 +15,11 @@ if TYPE_CHECKING:
     from ..base.pages_left import Surface
     from ..capture.prepare import Prepared
     from ..learn.left import Map
-    from ..learn.proposals import Proposal, Proposals
+    from ..learn.proposals import Proposals
 
 _MAGNITUDE = "abs(omega)"
-_BESIDE = (
-    2  # cells to either side over which a law is averaged: a map is smooth, and few cells are passed through
-)
+_BESIDE = 2
+"""Cells to either side over which a torque is averaged, for few are passed through."""
 
 
 def document(found: Proposals | None) -> Surface | None:
@@ -24,15 +27,22 @@ def document(found: Proposals | None) -> Surface | None:
     mapped = None if found is None else found.map
     if found is None or mapped is None:
         return None
-    laws = [_of_law(found, mapped, one) for one in found.laws]
-    if all(law is None for law in laws):
+    names = {"omega" if one == _MAGNITUDE else one for one in mapped.over}
+    both = [names <= {*one.variables} for one in found.laws]
+    if not any(both):
         return None
+    left = found.beside.residual
+    around = _Around(found, mapped)
+    laws = [
+        around.mean(left - one.fit.residual) if of_both else None
+        for one, of_both in zip(found.laws, both, strict=True)
+    ]
     return {
         "over": mapped.over,
         "times": mapped.times,
         "x": mapped.x.tolist(),
         "y": mapped.y.tolist(),
-        "value": _told(mapped.value),
+        "value": _told(around.mean(left)),
         "laws": [None if law is None else _told(law) for law in laws],
     }
 
@@ -41,27 +51,27 @@ def _told(value: FloatArray) -> list[list[float | None]]:
     return [[float(one) if np.isfinite(one) else None for one in row] for row in value]
 
 
-def _of_law(found: Proposals, mapped: Map, law: Proposal) -> FloatArray | None:
-    """Return what a law explains, fitted with the whole model, on average around each place of a map.
+class _Around:
+    """The samples around each place of a map."""
 
-    None for a law that is not of both variables.
-    """
-    names = {"omega" if one == _MAGNITUDE else one for one in mapped.over}
-    if not names <= {*law.variables}:
-        return None
-    columns = [_columns(one, mapped) for one in found.beside.prepared]
-    x, y, times = (np.concatenate(parts) for parts in zip(*columns, strict=True))
-    explained = found.beside.residual - law.fit.residual
-    counts = np.isfinite(x + y + explained) & (times != 0.0)
-    cells = _nearest(mapped.y, y[counts]) * len(mapped.x) + _nearest(mapped.x, x[counts])
-    shape = mapped.value.shape
-    # As a factor: of a torque that has the direction's sign, the mean of both with their signs.
-    sums, weight = (
-        _around(np.bincount(cells, one[counts], mapped.value.size).astype(np.float64), shape)
-        for one in (explained * times, times**2)
-    )
-    mean = np.divide(sums, weight, out=np.full(shape, np.nan), where=weight > 0.0)
-    return np.where(np.isfinite(mapped.value), mean, np.nan)
+    def __init__(self, found: Proposals, mapped: Map) -> None:
+        columns = [_columns(one, mapped) for one in found.beside.prepared]
+        x, y, self._times = (np.concatenate(parts) for parts in zip(*columns, strict=True))
+        self._sum = x + y
+        self._cells = _nearest(mapped.y, y) * len(mapped.x) + _nearest(mapped.x, x)
+        self._went = np.isfinite(mapped.value)
+
+    def mean(self, torque: FloatArray) -> FloatArray:
+        """Return the mean of a torque around each place where the motion went, a sample each."""
+        counts = np.isfinite(self._sum + torque) & (self._times != 0.0)
+        # As a factor: of a torque that has the direction's sign, the mean of both with their signs.
+        cells, times = self._cells[counts], self._times[counts]
+        sums, weight = (
+            _around(np.bincount(cells, one, self._went.size).astype(np.float64), self._went.shape)
+            for one in (torque[counts] * times, times**2)
+        )
+        mean = np.divide(sums, weight, out=np.full(self._went.shape, np.nan), where=weight > 0.0)
+        return np.where(self._went, mean, np.nan)
 
 
 def _around(cells: FloatArray, shape: tuple[int, ...]) -> FloatArray:

@@ -17,15 +17,20 @@ if TYPE_CHECKING:
 
 
 def design(
-    session: Session, names: Sequence[str], limits: Mapping[str, Any], by_hand: bool, tell: Tell
+    session: Session,
+    names: Sequence[str],
+    limits: Mapping[str, Any],
+    by_hand: bool,
+    tell: Tell,
+    sharpen: str = "",
 ) -> None:
     """Design the motion that would tell models with each of these effects apart; none: what is not told.
 
-    With `by_hand` it is one that a hand can make.
+    With `by_hand` it is one that a hand can make, with `sharpen` the one that makes a parameter known best.
     Raises InputError for what cannot be fitted, and for limits within which nothing moves.
     """
     node = session.node
-    found = designed.designed(story(session, tell), names, limits, by_hand, node.id, tell)
+    found = designed.designed(story(session, tell), names, limits, by_hand, node.id, tell, sharpen)
     tell("putting the motion in place", last=True)
     session.keep(found)
 

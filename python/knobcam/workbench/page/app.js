@@ -142,7 +142,7 @@ function thousands(many) {
 }
 function percent(share) {
   if (!Number.isFinite(share)) return "–";
-  const text = (100 * share).toFixed(share > 0 && share < 0.1 ? 1 : 0);
+  const text = (100 * share).toFixed(Math.abs(share) < 0.1 ? 1 : 0);
   return `${Number(text) === 0 ? "0" : text} %`.replaceAll("-", "−");
 }
 function torqueScale({ unit, peak }) {
@@ -592,6 +592,7 @@ function band(modelled, half) {
 function aboutOf({ unit, peak, captures, active }) {
   return { unit, peak, coordinate: captures.find(({ id }) => active.includes(id))?.coordinate ?? "rotary" };
 }
+var NOTHING = 1e-4;
 var DIRECTIONS = /* @__PURE__ */ new Map([[1, " forward"], [-1, " backward"]]);
 var AGAIN = "open the file once more and";
 var WAYS = {
@@ -635,7 +636,7 @@ function measured({ value, unit, text }, about2) {
 function stretch({ low, high, unit, direction, words: words4 }, about2) {
   if (words4) return words4;
   const scale = scaleOf(unit, about2);
-  const [from, to] = [low, high].map((end) => number(end * scale.factor, 4));
+  const [from, to] = [low, high].map((end) => number(Math.abs(end) > NOTHING * (high - low) ? end * scale.factor : 0, 4));
   return `${from} to ${to} ${unbroken(scale.unit)}${DIRECTIONS.get(direction) ?? ""}`;
 }
 function unbroken(unit) {
@@ -729,14 +730,26 @@ function showFindings(place4, { captures, active, limitations, disagreements, no
     return own2.map((one) => finding(one, { id, name: several ? `${short2.get(id)}: ` : "", job }, about2, deeds));
   });
   found2.push(...[...every.values()].map((one) => finding(one, all, about2, deeds)));
-  const missing = limitations.map((said) => make("li", { class: "soft" }, "Cannot be told: ", ...nodes(said, about2)));
-  const apartFrom = disagreements.map((said) => make("li", { class: "doubt" }, "⚠ The captures disagree: ", ...nodes(said, about2), "."));
+  const openOnes = new Set([...place4.querySelectorAll("details[data-at][open]")].map((one) => one.getAttribute("data-at")));
+  const missing = limitations.map((said) => make("li", { class: "soft" }, "Cannot be told: ", ...nodes(said, about2), ...sharpening(said, about2, deeds.sharpen)));
+  const apartFrom = disagreements.map((said, at) => disagreement(said, about2, at, openOnes.has(String(at))));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
-  const open = place4.querySelector("details")?.open ?? false;
+  const open = place4.querySelector("details:not([data-at])")?.hasAttribute("open") ?? false;
   const own = found2.length > FEW2 ? [folded(found2, told, open)] : found2;
   place4.replaceChildren(...noted, ...apartFrom, ...missing, ...own);
   const again = focused && place4.querySelector(`[data-finding="${CSS.escape(focused)}"]`);
   if (again instanceof HTMLElement) again.focus();
+}
+function sharpening(said, about2, sharpen) {
+  const last = said.findLast((part) => typeof part === "object" && "param" in part);
+  if (!last || typeof last === "string" || !("param" in last)) return [];
+  const title = `the motion that makes it known best: ${sentence([last], about2)}`;
+  return [". ", make("button", { type: "button", text: "Design that motion…", title, on: { click: () => sharpen(last.param) } })];
+}
+function disagreement(said, about2, at, open) {
+  const of = said.filter((part) => typeof part === "object" && "param" in part);
+  const summary = make("summary", { class: "doubt" }, "⚠ The captures disagree", ...of.length > 0 ? [": ", ...nodes(of.slice(0, 1), about2)] : []);
+  return make("li", {}, make("details", { open, "data-at": String(at) }, summary, make("p", { class: "doubt" }, ...nodes(said, about2), ".")));
 }
 function alikeInAll([first, ...others]) {
   if (!first || others.length === 0) return /* @__PURE__ */ new Map();
@@ -1101,7 +1114,9 @@ function showUntold(place4, { untold, needless }, apart2, drop) {
 }
 
 // src/candidates.js
-var NOTHING = "No effect that was weighed explains enough of what is left.";
+var NOTHING2 = "No effect that was weighed explains enough of what is left.";
+var NO_MORE = "Nothing that was weighed is still missing.";
+var NAMED = 0.01;
 var ALONE = "Weighed one at a time; Find everything weighs sets too, from the first model on, and may end elsewhere.";
 var Candidates = class {
   /**
@@ -1145,11 +1160,11 @@ var Candidates = class {
     });
     this.place.replaceChildren(
       ...candidates.ready ? [] : [make("p", { class: "soft" }, job ? `${sentence(job.what, about2)} …` : ask2)],
-      candidates.ready && !searched && this.items.length > 0 ? make("p", { class: "soft alone", text: ALONE }) : "",
+      candidates.ready && !searched && could.length > 0 ? make("p", { class: "soft alone", text: ALONE }) : "",
       ...candidates.ready && this.items.length === 0 ? [make("p", { class: "well", text: "Nothing is left to be weighed." })] : [],
-      candidates.ready && could.length === 0 && this.items.length > 0 ? make("p", { class: "soft", text: NOTHING }) : "",
+      candidates.ready && could.length === 0 && this.items.length > 0 ? make("p", { class: "soft", text: candidates.unexplained ? NOTHING2 : NO_MORE }) : "",
       make("ul", { "aria-label": "candidates", class: "candidates" }, ...this.items.slice(0, could.length)),
-      out.length > 0 ? folded2(out, `${out.length} ruled out by values that none can have: ${ruledOut.map(outWords).join(", ")}`) : "",
+      out.length > 0 ? folded2(out, `${out.length} ruled out by values that none can have: ${outWords(ruledOut)}`) : "",
       others.length > 0 ? folded2(others, `${restWords(others.length, this.items.length)}: no better than chance, or too little to matter`) : "",
       ...concluded.length > 0 ? [] : remainder(candidates.unexplained, about2)
       // where it stands first already
@@ -1250,8 +1265,10 @@ function folded2(items, words4) {
 function restWords(rest, all) {
   return rest < all ? `${rest} more` : `${rest} weighed`;
 }
-function outWords({ effect, error_fall: fall }) {
-  return `${titleOf(effect)} (${percent(-Math.max(0, fall))})`;
+function outWords(rows) {
+  const some = rows.filter(({ error_fall: fall }) => fall >= NAMED);
+  const named2 = (some.length > 0 ? some : rows.slice(0, 1)).map(({ effect, error_fall: fall }) => `${titleOf(effect)} (${percent(-Math.max(0, fall))})`);
+  return [...named2, ...named2.length < rows.length ? [`${rows.length - named2.length} that would take off less than 1 %`] : []].join(", ");
 }
 function evidence(row, about2) {
   const chance = row.p_value <= 1e-3 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
@@ -2133,14 +2150,21 @@ async function showHidden({ captures, active }) {
   const told = await ask("challenge", { capture: now[0] }).catch(() => null);
   if (told && mine === asked) showStanding(told);
 }
-function showStanding({ hints, more, wrong, found: found2, hidden, solved, given_up, sealed, score }) {
+function showStanding({ hints, more, wrong, found: found2, hidden, solved, given_up, graded, sealed, score }) {
   document.body.classList.toggle("sealed", sealed);
   byId("unseal").hidden = !sealed;
   byId("challenge-said").classList.toggle("well", solved && !given_up);
-  byId("challenge-score").textContent = `${score} points`;
-  byId("challenge-said").textContent = standingWords({ wrong, found: found2, hidden, solved, given_up });
+  byId("challenge-score").textContent = graded ? `${score} points` : "";
+  byId("challenge-said").textContent = graded ? standingWords({ wrong, found: found2, hidden, solved, given_up }) : surpriseWords({ found: found2, hidden, solved });
+  byId("hint").hidden = !graded;
   byId("challenge-hints").replaceChildren(...hints.map((text) => make("li", { text })));
   byId("hint").disabled = !more || solved || given_up;
+}
+function surpriseWords({ found: found2, hidden, solved }) {
+  const [what, is] = hidden === 1 ? ["What was hidden", "one effect is"] : [`All ${hidden} effects that were hidden`, `${hidden} effects are`];
+  if (solved) return `${what} ${hidden === 1 ? "is" : "are"} in the model, and nothing that was not.`;
+  if (found2 === hidden) return `${what} ${hidden === 1 ? "is" : "are"} in the model, but so is something that was not.`;
+  return `In this knob ${is} hidden${found2 > 0 ? `, ${found2} of them found` : ""}: see whether it is found.`;
 }
 function standingWords({ wrong, found: found2, hidden, solved, given_up }) {
   const many = hidden === 1 ? "one effect is hidden" : `${hidden} effects are hidden`;
@@ -2152,11 +2176,11 @@ function standingWords({ wrong, found: found2, hidden, solved, given_up }) {
 }
 
 // src/job.js
-var NOTHING2 = { unit: "N m", peak: 0, coordinate: "rotary" };
+var NOTHING3 = { unit: "N m", peak: 0, coordinate: "rotary" };
 function showJob(job, about2) {
   byId("job").hidden = job === null;
   if (!job) return;
-  byId("job-what").textContent = sentence(job.what, about2 ?? NOTHING2);
+  byId("job-what").textContent = sentence(job.what, about2 ?? NOTHING3);
   const bar2 = (
     /** @type {HTMLProgressElement} */
     byId("job-done")
@@ -2249,8 +2273,8 @@ function showLadder(place4, state) {
 function sameCaptures(steps, at) {
   const of = (step) => steps[step]?.captures.join();
   let [first, end] = [at, at + 1];
-  while (first > 0 && of(first - 1) === of(at)) first--;
-  while (end < steps.length && of(end) === of(at)) end++;
+  while (first > 0 && !steps[first].anew && of(first - 1) === of(at)) first--;
+  while (end < steps.length && !steps[end].anew && of(end) === of(at)) end++;
   return { steps: steps.slice(first, end), at: at - first };
 }
 function broughtAlong({ steps, at }, carried) {
@@ -2613,7 +2637,7 @@ var Laws = class {
       ...{ title: "fit it with the model, as an effect of this name" }
     });
     const name2 = make("input", {
-      ...{ type: "text", name: "name", size: 8, placeholder: "law", spellcheck: "false", autocomplete: "off" },
+      ...{ type: "text", name: "name", size: 8, placeholder: "its name", title: "what it is called in the model; law where nothing is typed", spellcheck: "false", autocomplete: "off" },
       "aria-label": `name of law ${number3}`
     });
     const form = make("form", {}, edit, name2, take);
@@ -4494,6 +4518,7 @@ var Next = class {
     this.loading = null;
     this.drawn = "";
     this.effects = void 0;
+    this.sharpen = "";
     this.buttons();
     new ResizeObserver(() => this.draw()).observe(byId("next-plots"));
   }
@@ -4528,20 +4553,21 @@ var Next = class {
   }
   /** Design within the limits as they are now; where a motion waits for what is missing, they are kept for it. */
   again() {
-    return this.waits ? this.close() : this.design(this.asked);
+    return this.waits ? this.close() : this.design(this.asked, this.sharpen);
   }
   /** Whether there is nothing yet that a motion could be designed for. */
   get waits() {
-    return this.state !== null && this.told === null && this.asked.length === 0 && waitsFor(this.state);
+    return this.state !== null && this.told === null && !this.sharpen && this.asked.length === 0 && waitsFor(this.state);
   }
   /**
    * Design a motion for effects, and show it; for none: for what is known least. Where none is within the limits, they
    * are shown in its place.
    * @param {string[]} effects
+   * @param {string} [sharpen] the parameter that it is to make known best
    * @returns {Promise<boolean>} whether there is one
    */
-  async design(effects) {
-    this.effects = effects;
+  async design(effects, sharpen = "") {
+    [this.effects, this.sharpen] = [effects, sharpen];
     const by_hand = (
       /** @type {HTMLInputElement} */
       byId("next-only-hand").checked
@@ -4549,7 +4575,7 @@ var Next = class {
     this.enable(false);
     this.refuse("");
     try {
-      await this.deeds.design({ effects, limits: this.within.wanted, by_hand });
+      await this.deeds.design({ effects, sharpen, limits: this.within.wanted, by_hand });
       this.open();
       return true;
     } catch (reason2) {
@@ -4593,7 +4619,7 @@ var Next = class {
   }
   /** @param {State} state */
   show(state) {
-    if (this.state?.node !== state.node) this.effects = void 0;
+    if (this.state?.node !== state.node) [this.effects, this.sharpen] = [void 0, ""];
     this.state = state;
     showUntold(byId("untold"), state, (effects) => this.design(effects), this.deeds.drop);
     const { experiment, node, recording, candidates } = state;
@@ -5186,8 +5212,8 @@ function themed(changed) {
 }
 
 // src/verdict.js
-function showVerdict(element2, { added, concluded, verdict, candidates, titles: titles2 }, about2, to) {
-  const key2 = JSON.stringify([added, concluded, verdict, candidates, about2, titles2]);
+function showVerdict(element2, { added, concluded, verdict, candidates, titles: titles2, sets, proposed }, about2, to) {
+  const key2 = JSON.stringify([added, concluded, verdict, candidates, about2, titles2, sets, proposed]);
   if (element2.dataset.told === key2) return;
   element2.dataset.told = key2;
   const worst = [...concluded, ...verdict].find((part) => typeof part === "object" && "low" in part);
@@ -5201,8 +5227,9 @@ function showVerdict(element2, { added, concluded, verdict, candidates, titles: 
   };
   const open = concluded.length > 0 ? [] : plainly(candidates, about2, to);
   const first = open.map((part) => typeof part === "string" ? part : link(part));
+  const ways = further({ sets, proposed }, about2, to).map((part) => typeof part === "string" ? part : link(part));
   const head2 = beside(added, [...first, ...concluded.map(shown2)]);
-  element2.replaceChildren(...head2.length > 0 ? [make("strong", {}, ...head2), " "] : [], ...verdict.map(shown2));
+  element2.replaceChildren(...head2.length > 0 ? [make("strong", {}, ...head2), ...ways, " "] : [], ...verdict.map(shown2));
 }
 function beside(added, [first, ...rest]) {
   if (first === void 0) return [];
@@ -5246,6 +5273,15 @@ function plainly({ ready, rows }, about2, to) {
     { words: "find everything", title: "add step by step all that is missing, sets of effects too", go: () => to.every() },
     " at once.",
     ...equivalent.length > 0 ? tied(first.word === "part", equivalent.map(lead), () => to.apart([effect, ...equivalent])) : []
+  ];
+}
+function further({ sets, proposed }, about2, to) {
+  const law = proposed?.[0];
+  const { factor: factor2, unit } = torqueScale(about2);
+  const [left, of] = law ? [law.rmse, law.rmse / (1 - law.fall)].map((one) => number(one * factor2)) : [];
+  return [
+    ...law ? [" ", { words: "A formula", title: "what is left as a curve, and the laws that draw it", go: () => to.laws() }, ` is proposed: it would leave ${left} ${unit} of the ${of} ${unit} that it was looked for in.`] : [],
+    ...sets ? [" Effects were weighed one at a time: ", { words: "find everything", title: "add step by step all that is missing, sets of effects too", go: () => to.every() }, " weighs sets of them too."] : []
   ];
 }
 function tied(part, others, go) {
@@ -5461,8 +5497,7 @@ var App = class {
       add: (effect) => this.ask("add", { effect }, "add"),
       apart: (effects) => this.next.design(effects),
       every: () => this.ask("search", {}, "search"),
-      error: () => shown(byId("ladder")),
-      findings: () => shown(byId("findings"))
+      ...{ error: () => shown(byId("ladder")), findings: () => shown(byId("findings")), laws: () => shown(byId("laws")) }
     });
     if (state.recording) this.live?.follow();
     showHidden(state);
@@ -5480,7 +5515,8 @@ var App = class {
     });
     showFindings(byId("findings"), state, about2, {
       see: (capture, finding2) => this.find(capture, finding2),
-      overrule: (capture, finding2, on) => this.ask("overrule", { capture, finding: finding2, on }, "data")
+      overrule: (capture, finding2, on) => this.ask("overrule", { capture, finding: finding2, on }, "data"),
+      sharpen: (param) => void this.next.design([], param)
     });
     byId("open-together").hidden = state.captures.length === 0;
     showLadder(byId("ladder"), state);
