@@ -13,7 +13,8 @@ pub(super) struct Sliding {
     pub inertia: f64,
 }
 
-/// Brings in what loads the knob beside [what is steady](Model::steady_load), with functions of a user's own if there are any.
+/// Brings in what loads the knob beside [what is steady](Model::steady_load), with functions of a user's own if there
+/// are any.
 #[inline(always)]
 pub(super) fn add_loads(
     model: &Model,
@@ -29,8 +30,8 @@ pub(super) fn add_loads(
     }
 }
 
-/// Torque without inertia, and inertia, that a load asks for on a motion whose direction is known; `rest` is what pushes at rest, for a model that may
-/// create energy.
+/// Torque without inertia, and inertia, that a load asks for on a motion whose direction is known; `rest` is what
+/// pushes at rest, for a model that may create energy.
 #[inline(always)]
 pub(super) fn sliding<T: Scalar>(load: &Load<T>, rest: Option<T>, motion: &Motion<T>) -> [T; 2] {
     let drive = if let Some(rest) = rest { braked(load, motion, rest) } else { load.drive };

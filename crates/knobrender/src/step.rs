@@ -299,7 +299,7 @@ impl Renderer {
         let state = &mut self.state;
         let still = at_rest(motion);
         let (steady, remembers) = (&self.steady, !state.memory.is_empty());
-        // Looks, and remembers nothing.
+        // Looks, and remembers nothing. What it answered would be copied, which takes a fifth of a step.
         let mut look = |memory: &[f64], motion: &Motion<f64>, load: &mut Load<f64>| {
             if remembers {
                 self.spare.copy_from_slice(memory);

@@ -77,6 +77,7 @@ def standing(session: Session, capture: str) -> pages_sources.Challenge:
     own = {*here.fit.model.effects} if capture in here.captures else set()
     found = [one for one in opened.hidden if one in own]
     solved = len(found) == len(opened.hidden) and own <= base | {*opened.hidden}
+    graded = bool((opened.simulated or {}).get("level"))
     score = 0 if told else max(0, PERFECT - HINT * taken - WRONG * len(wrong) - LIST * unsealed)
     return {
         "hints": _hints(opened.hidden)[:taken],
@@ -86,7 +87,7 @@ def standing(session: Session, capture: str) -> pages_sources.Challenge:
         "hidden": len(opened.hidden),
         "solved": solved,
         "given_up": told,
-        "graded": (graded := bool((opened.simulated or {}).get("level"))),
+        "graded": graded,
         "sealed": graded and not (unsealed or solved or told),
         "score": score,
     }

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 _MOST = 60  # columns; what has more was not meant to be looked at
 _FEWEST = 2  # an angle, and a torque: the times may be told by a rate
 _WIDE = 60  # pieces of a column's outline
-_NOT_PLAIN = "is not plain enough"
 _FILLED_IN = (
     "the names of its columns do not say which is which. The fields hold what they seem to be, by names and "
     "values: look whether that is right."
@@ -61,7 +60,7 @@ def explained(
         if asked:  # its folder and its columns are on the screen, and what the map of a command would be too
             why = said.removeprefix(f"{path}: ").removeprefix(f"{name}: ").partition("; the file has ")[0]
             said = f"{name}: {_plainly(why, len(shown))}"
-        if isinstance(again, Unclear) and _by_names_alone(again) and {"theta", "tau"} <= set(found):
+        if isinstance(again, Unclear) and again.by_names and {"theta", "tau"} <= set(found):
             said = f"{name}: {_FILLED_IN}"  # what it lacks by name stands in the fields already
         guess = {name: _guessed(entry) for name, entry in found.items()}
         return Unmapped(said, shown[:_MOST], guess)
@@ -74,11 +73,6 @@ def _plainly(why: str, columns: int) -> str:
     if columns < _FEWEST:
         return f"this file has one column of numbers alone, and {takes}; open another file."
     return f"{takes if why.startswith('no columns ') else why}: say which column is which, and in what unit."
-
-
-def _by_names_alone(unclear: Unclear) -> bool:
-    """Whether nothing but names keeps columns from being taken: none are there, or they are not plain."""
-    return unclear.unnamed or _NOT_PLAIN in str(unclear)
 
 
 def _guessed(entry: Entry) -> pages_sources.Guess:

@@ -24,6 +24,7 @@ _UNIT_ALONE = {"current": "A", "voltage": "V", "duty": "duty"}
 _DERIVED = ("omega", "alpha")
 _NEEDED = {"theta": "an angle", "tau": "a torque"}
 _UNNAMED = "no column"
+_NOT_PLAIN = "is not plain enough"
 _FAR = 2000.0  # of an angle: what runs further is not in rad
 _SLOWEST_S = 0.5  # between two samples of a log of motion: longer is another unit
 _SAME = 0.05  # of how far a position goes, by which what was asked differs from what was done
@@ -47,13 +48,13 @@ _SIMPLE_NAME = re.compile(r"[A-Za-z_][\w.]*")
 class Unclear(InputError):
     """A file whose columns nobody can be sure of; `entries` are what they would be taken for, to be asked.
 
-    `unnamed` says that no name is in doubt: there is none of an angle or a torque.
+    `by_names` says that nothing but names stands in the way: there are none, or they are not plain.
     """
 
-    def __init__(self, said: str, entries: dict[str, Entry], unnamed: bool) -> None:
+    def __init__(self, said: str, entries: dict[str, Entry], by_names: bool) -> None:
         super().__init__(said)
         self.entries = entries
-        self.unnamed = unnamed
+        self.by_names = by_names
 
 
 @dataclass(frozen=True)
@@ -153,7 +154,7 @@ def _chosen(table: Table, labels: dict[str, Label]) -> tuple[dict[str, Entry], d
             # It may be the supply's.
             doubts[target] = f"no torque; {name} is a {GIVEN[_UNIT_ALONE[quantity]]}{unit}"
         elif not plain:
-            doubts[target] = f"{name!r} is not plain enough to be taken for {target}"
+            doubts[target] = f"{name!r} {_NOT_PLAIN} to be taken for {target}"
         elif target == "theta" and _counted(table, entries[target]):
             entries[target] = Entry(f"`{name}`", COUNTS)
             doubts[target] = f"{name!r} holds counts of an encoder"
@@ -320,7 +321,7 @@ def ask(table: Table, why: str, entries: dict[str, Entry]) -> InputError:
         f"{table.source}: {why}; the file has {table.listing()}; say which is which, for example "
         f"--map {mark}{shown}{mark}{rate}{f' ({constants})' if constants else ''}"
     )
-    return Unclear(said, entries, why.startswith(_UNNAMED))
+    return Unclear(said, entries, why.startswith(_UNNAMED) or _NOT_PLAIN in why)
 
 
 def _mapped(entry: Entry) -> tuple[str, str]:

@@ -65,7 +65,8 @@ def check_steps(
     }
     findings: list[Finding] = []
     # Where wild readings are a habit of the log they lie beside each other, and hide what else there is.
-    anything = wild(chosen(t, index), chosen(theta, index), 0.3 * _count(np.diff(chosen(theta, index))))
+    angle = chosen(theta, index)
+    anything = wild(chosen(t, index), angle, 0.3 * _count(np.diff(angle)))
     bad["spike"][index[anything]] = True
     index = index[~anything]
     if coordinate == "rotary":
@@ -78,9 +79,10 @@ def check_steps(
         theta = missed.theta
         bad["missed"] = missed.bad
         index = index[~missed.bad[index]]
-    step = np.diff(chosen(theta, index))
+    angle, interval = chosen(theta, index), np.diff(chosen(t, index))
+    step = np.diff(angle)
     least = _count(step)
-    expected, doubt, spread = _expected(step, np.diff(chosen(t, index)), least)
+    expected, doubt, spread = _expected(step, interval, least)
     noise = max(spread, 0.5 * least)
     sure = np.abs(expected) > 0.5 * CLEAR * noise
     if (told := _by_velocity(columns, theta, index, rate_hz)) is not None:
@@ -113,12 +115,13 @@ def check_steps(
     # A leap that stays is beyond all steps of the motion; so wide a gap is not bridged.
     longest = _LEAP * quantile(np.abs(step), 0.999)
     leap = ~stale & (off > CLEAR * noise) & (off > longest)
-    leap &= (np.diff(chosen(t, index)) < 1.5 / rate_hz) & (np.diff(index) == 1)  # else time passed
+    in_time = interval < 1.5 / rate_hz
+    leap &= in_time & (np.diff(index) == 1)  # else time passed
     if coordinate == "rotary":  # what is near a whole turn may be an angle that wraps around
         part = np.abs(step - math.tau * np.rint(step / math.tau))
         leap &= (np.abs(step) <= math.pi) | (part > longest)
     leap &= ~(np.append(spike, False) | np.append(False, spike))
-    away = _away(chosen(theta, index), np.flatnonzero(leap))
+    away = _away(angle, np.flatnonzero(leap))
     bad["spike"][index[away]] = True
     leap &= ~(away[1:] | away[:-1])
     findings += _leapt_away(rows, bad["spike"] & usable & ~bad["stale"])
@@ -155,7 +158,7 @@ def check_steps(
 
     # What a repeated row held back comes with the next one.
     follows = np.concatenate(([False], (stale | np.concatenate((spike, [False])))[:-1]))
-    kept = ~follows & (np.diff(chosen(t, index)) < 1.5 / rate_hz)  # else the clock says so itself
+    kept = ~follows & in_time  # else the clock says so itself
     asked = check_asked(Steady(step, expected, doubt, noise, clear & kept, clear, stale), rows, index)
     bad["asked"][index[1:][asked.amiss]] = True
     findings += asked.findings
