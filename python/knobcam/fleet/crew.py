@@ -8,6 +8,7 @@ takes more memory than its share, is begun anew; all end with their scheduler, o
 from __future__ import annotations
 
 import asyncio
+import gc
 import multiprocessing
 import signal
 import sys
@@ -35,6 +36,7 @@ def main(count: int) -> None:
     # Elsewhere the system's own libraries do not bear a fork.
     context: Any = multiprocessing.get_context("fork" if sys.platform == "linux" else "spawn")
     most = system.MEMORY_LIMIT // count
+    gc.freeze()  # what is loaded stays: no worker need look for what of it is not used any more, again and again
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     crew = [_begun(context, address, most) for _ in range(count)]
     try:

@@ -10,7 +10,7 @@
 //!
 //! The last line is theirs rewritten as a sum of squares, so that rounding cannot make it negative.
 //!
-//! The filter leaves a checkpoint every few thousand samples and runs again from there on the way back, so
+//! The filter leaves a checkpoint every some ten thousand samples and runs again from there on the way back, so
 //! that memory beyond the result does not grow with the capture.
 
 use super::kalman::{Filter, Prediction, Prior};
@@ -19,8 +19,8 @@ use super::sensors::Sensors;
 use super::state::{Model, coast, transition};
 use nalgebra::{Matrix3, Vector3};
 
-/// Samples between two checkpoints.
-const BLOCK: usize = 4096;
+/// Samples between two checkpoints: what is kept of them takes 1 MB.
+const BLOCK: usize = 32_768;
 
 /// Smoothed variances that change less than this have converged.
 const STEADY: f64 = 1e-6;

@@ -334,6 +334,8 @@ def _stale(
             return np.zeros(len(step), dtype=np.bool_)
         same.append(np.diff(chosen(values, index)) == 0.0)
     repeats: BoolArray = np.logical_and.reduce(same)
+    if not repeats.any():
+        return repeats
     # At rest, with its motor off, a knob repeats all that it says.
     theta = chosen(columns["theta"], index)
     row = np.arange(1, len(theta))
