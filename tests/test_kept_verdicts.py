@@ -86,6 +86,7 @@ def test_of_what_a_ladder_says_in_the_end(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(selection, "width", lambda fit: fit.wide)
     monkeypatch.setattr(selection, "friction_drives", lambda fit: None)
     monkeypatch.setattr(selection, "at_bounds", lambda fit: {})
+    monkeypatch.setattr(selection, "in_doubt", lambda *_: None)
     monkeypatch.setattr(headline, "within_rounding", lambda fit: None)
     for one in (selection, headline):
         monkeypatch.setattr(one, "tells_nothing", lambda prepared: None)

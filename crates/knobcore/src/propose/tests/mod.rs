@@ -2,6 +2,7 @@
 
 mod pressed;
 mod surfaces;
+mod traces;
 
 use super::grammar::Shape;
 use super::*;
