@@ -11,7 +11,7 @@ fn what_a_law_leaves_has_a_trace_of_its_variables_and_noise_has_none() {
     // A pawl that is passed one way.
     let pawl = |(_, theta, omega, _): Instant| {
         let off: f64 = (theta - 0.2) / 0.15;
-        if omega > 0.0 { 4e-4 * (-0.5 * off * off).exp() } else { 0.0 }
+        if omega > 0.0 { 1.2e-3 * (-0.5 * off * off).exp() } else { 0.0 }
     };
     let found = seen(pawl, 5);
     assert!(found.p_value <= rule().rare && found.variables.contains(&"theta"), "{found:?}");
