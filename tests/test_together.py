@@ -44,14 +44,12 @@ def doubted(
     joint: str | None = None,
 ) -> object:
     fit = SimpleNamespace(
-        prepared=[],
-        core=SimpleNamespace(model=None),
+        trace=trace,
         model=SimpleNamespace(joint=joint),
         noise_floor=2.0,
         white_squares=400.0,
         rmse=2.0,
     )
-    monkeypatch.setattr(together._core, "trace", lambda *_: trace)
     monkeypatch.setattr(together, "stands_in", lambda one, _: ("it is a trend",) if one == bent else ())
     monkeypatch.setattr(together, "off_by_law", lambda _: 0.1)
     return together.in_doubt(fit, ("unbalance", "stribeck"), LEFT)  # type: ignore[arg-type]

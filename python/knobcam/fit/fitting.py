@@ -307,6 +307,14 @@ class Fit(showing.Tabled):
         """What of the torque its filter takes off and the model does not have."""
         return beyond(self)
 
+    @cached_property
+    def trace(self) -> tuple[list[str], float, float]:
+        """Of the law that most of what it leaves follows its variables, what it takes off, and chance.
+
+        In variances of the raw noise.
+        """
+        return _core.trace(refit.cores(self), self.core.model)
+
     @property
     def torque_unit(self) -> str:
         """What its errors are in."""

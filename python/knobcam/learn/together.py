@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .. import _core
 from ..base.said import OfAxis, OfEffect, joined, said
 from ..fit.plausible import stands_in
-from ..fit.refit import cores
 from ..fit.rule import RULE
 from ..fit.verdict import off_by_law
 from .ladder import Unexplained
@@ -46,13 +44,21 @@ def in_doubt(
         template = "{names} draw it together, but {one} by values that cannot be its own: {why}"
         hint = said(template, names=names, one=OfEffect(one), why=values)
         return tuple(bent), before._replace(hint=hint)
-    if fit.model.joint is not None:
+    if fit.model.joint is not None or not follows(fit):
         return None
-    variables, gain, p_value = _core.trace(cores(fit), fit.core.model)
-    taken = gain * fit.noise_floor**2 / fit.white_squares
-    if p_value > RULE.rare or taken <= off_by_law(fit):
-        return None
+    variables, gain, _ = fit.trace
     axis = next(axis for variable, axis in _AXES.items() if variable in variables)
     template = "{names} draw all but what follows {axis} there, which chance does not make"
     hint = said(template, names=names, axis=OfAxis(axis))
-    return (), Unexplained(axis, taken / fit.rmse**2, hint)
+    return (), Unexplained(axis, gain * _variance(fit) / fit.rmse**2, hint)
+
+
+def follows(fit: Fit) -> bool:
+    """Whether what a fit leaves follows a law, beyond chance and beyond what its own laws may be off by."""
+    _, gain, p_value = fit.trace
+    return p_value <= RULE.rare and gain * _variance(fit) > off_by_law(fit)
+
+
+def _variance(fit: Fit) -> float:
+    """Return the mean squared error of one variance of the raw noise, (N m)^2."""
+    return fit.noise_floor**2 / fit.white_squares
