@@ -7,11 +7,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from examiner import Case
-from known import BASE, climbed, comparison, split
+from known import BASE, Known, climbed, comparison, split
 from small import COUPLINGS
 
 import knobcam as kc
-from knobcam.learn import LearningResult, selection, together
+from knobcam.learn import LearningResult, exchanged, selection, together
 from knobcam.learn.ladder import Unexplained
 
 LEFT = Unexplained("position", 0.4, "")
@@ -84,3 +84,24 @@ def test_what_is_in_doubt_is_unexplained_and_a_cause_beside_it_is_still_named(
     last = SimpleNamespace(comparison=comparison(True, split("velocity", 0.3)), candidates=())
     told = selection.concluded(ladder, last, BASE)
     assert (told.found, told.unexplained) == (("presliding",), LEFT)
+
+
+def test_where_chance_explains_the_rest_but_for_what_follows_a_law_each_is_looked_for_anew(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    ladder = climbed(("stribeck", 3.0), ("unbalance", 1.02))
+    asked: list[str] = []
+
+    def again(rmse: float, *, follows: bool = True) -> object:
+        def add(fit: Known, effect: str, _: object) -> Known:
+            asked.append(effect)
+            return Known(rmse, (*fit.effects, effect), fit)
+
+        monkeypatch.setattr(exchanged, "add", add)
+        monkeypatch.setattr(exchanged, "follows", lambda _: follows)
+        return exchanged.anew(ladder, comparison(True), lambda _: None)
+
+    assert again(1.0, follows=False) is None and asked == []
+    # A thousand samples of noise: 1.0 takes off 40 variances, more than a parameter costs, and 1.019 only 2.
+    assert again(1.019) is None and set(asked) == {"stribeck", "unbalance"}
+    assert again(1.0).rmse == 1.0  # type: ignore[attr-defined]

@@ -309,10 +309,7 @@ class Fit(showing.Tabled):
 
     @cached_property
     def trace(self) -> tuple[list[str], float, float]:
-        """Of the law that most of what it leaves follows its variables, what it takes off, and chance.
-
-        In variances of the raw noise.
-        """
+        """Variables, gain (in variances of the raw noise) and chance of the law that it leaves most of."""
         return _core.trace(refit.cores(self), self.core.model)
 
     @property
