@@ -92,15 +92,20 @@ def test_what_a_law_may_be_off_by_names_nothing_more_also_above_the_floor_where_
         assert laws.pop() == expected
 
 
+@pytest.fixture(autouse=True)
+def _nothing_else(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(selection, "in_doubt", lambda *_: None)
+    monkeypatch.setattr(selection, "width", lambda fit: None)
+    monkeypatch.setattr(selection, "at_bounds", lambda fit: {})
+    monkeypatch.setattr(selection, "tells_nothing", lambda prepared: None)
+
+
 def named(ladder: list[LearningStep], left: Any, base: tuple[str, ...] = BASE) -> tuple[Any, Any]:
     told = selection.concluded(ladder, SimpleNamespace(comparison=left, candidates=()), base)
     return told.found, told.unexplained
 
 
 def test_what_came_in_is_named_and_what_is_left_is_said(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(selection, "width", lambda fit: None)
-    monkeypatch.setattr(selection, "at_bounds", lambda fit: {})
-    monkeypatch.setattr(selection, "tells_nothing", lambda prepared: None)
     done, open_ = comparison(True), comparison(False, split("velocity", 0.3), split("time", 0.2))
     ladder = climbed(("stribeck", 1.5), ("quadratic_drag", 1.0))
     assert named(ladder, done) == (("stribeck", "quadratic_drag"), None)
@@ -137,8 +142,7 @@ def test_what_came_in_is_named_and_what_is_left_is_said(monkeypatch: pytest.Monk
     assert named(climbed(("stribeck", 1.0), impossible="no knob has that"), done) == (("stribeck",), None)
 
 
-def test_more_than_are_believed_of_one_knob_together_name_no_cause(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(selection, "width", lambda fit: None)
+def test_more_than_are_believed_of_one_knob_together_name_no_cause():
     names = ("stribeck", "quadratic_drag", "presliding", "torque_lag")
     steps = list(zip(names, (4.0, 3.0, 2.0, 1.0), strict=True))
     assert named(climbed(*steps[:3]), comparison(True)) == (names[:3], None)
@@ -151,8 +155,7 @@ def test_more_than_are_believed_of_one_knob_together_name_no_cause(monkeypatch: 
     assert "together" not in named(more, comparison(False, split("time", 0.3)))[1].hint
 
 
-def test_what_a_joint_bent_is_named_by_what_it_does_beside_it(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(selection, "width", lambda fit: None)
+def test_what_a_joint_bent_is_named_by_what_it_does_beside_it():
     left = 1.4**2 - 1.0
     for share, there in ((1.01, True), (0.99, False)):
         # Variances of the noise: a thousand samples of it, of which the spring takes as much off as is left.
@@ -202,7 +205,6 @@ def test_what_would_come_in_after_so_many_explains_nothing_and_is_not_named():
 
 
 def test_maps_of_position_together_name_no_cause(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(selection, "width", lambda fit: None)
     maps = climbed(("position_polynomial", 3.0), ("unbalance", 1.5), ("stribeck", 1.0))
     found, left = named(maps, comparison(True))
     assert found == ("stribeck",) and (left.axis, left.share) == ("position", 0.8)
@@ -269,7 +271,6 @@ def test_an_effect_is_looked_for_anew_where_that_ends_lower(monkeypatch: pytest.
     assert again(1.9).before is ladder[-1].fit.before
     # What came in last was found beside all others.
     assert set(asked) == {"stribeck"}
-    assert exchanged.anew(ladder, comparison(True), lambda _: None) is None
     assert exchanged.anew(ladder[:2], comparison(False), lambda _: None) is None
 
 

@@ -86,6 +86,7 @@ def test_of_what_a_ladder_says_in_the_end(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(selection, "width", lambda fit: fit.wide)
     monkeypatch.setattr(selection, "friction_drives", lambda fit: None)
     monkeypatch.setattr(selection, "at_bounds", lambda fit: {})
+    monkeypatch.setattr(selection, "in_doubt", lambda *_: None)
     monkeypatch.setattr(headline, "within_rounding", lambda fit: None)
     for one in (selection, headline):
         monkeypatch.setattr(one, "tells_nothing", lambda prepared: None)
@@ -183,6 +184,7 @@ def gone(fit: Any, other: Any) -> str:
 def test_of_what_is_looked_for_anew_and_what_goes(monkeypatch: pytest.MonkeyPatch) -> None:
     told, rng = Answers("anew"), np.random.default_rng(53)
     monkeypatch.setattr(exchanged, "_found", lambda first, last: list(EFFECTS[: last.count]))
+    monkeypatch.setattr(exchanged, "follows", lambda fit: False)
     for share in (0.5, 0.97, 0.979, 0.981, 0.99, 1.0, 1.01, 1.03):
         monkeypatch.setattr(
             exchanged, "add", lambda fit, effect, _, share=share: Fake(0.5 * share * fit.rmse)

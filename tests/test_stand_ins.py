@@ -14,6 +14,7 @@ from knobcam.learn import selection
 def _nothing_else(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(selection, "width", lambda fit: None)
     monkeypatch.setattr(selection, "at_bounds", lambda fit: {})
+    monkeypatch.setattr(selection, "in_doubt", lambda *_: None)
     monkeypatch.setattr(selection, "tells_nothing", lambda prepared: None)
 
 

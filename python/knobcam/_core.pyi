@@ -320,6 +320,9 @@ def propose(
     sums: bool,
     progress: Callable[[float], object] | None = None,
 ) -> tuple[list[_Law], float, dict[str, Any] | None, _Left]: ...
+def trace(
+    data: Sequence[Signals], model: Model, progress: Callable[[float], object] | None = None
+) -> tuple[list[str], float, float]: ...
 def hints(data: Sequence[Signals], model: Model, effects: Sequence[str]) -> list[tuple[str, str, float]]: ...
 def pairs(
     data: Sequence[Signals],

@@ -85,6 +85,7 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(hints::hints, m)?)?;
     m.add_function(wrap_pyfunction!(fit::pairs, m)?)?;
     m.add_function(wrap_pyfunction!(propose::propose, m)?)?;
+    m.add_function(wrap_pyfunction!(propose::trace, m)?)?;
     m.add_function(wrap_pyfunction!(fit::sets, m)?)?;
     m.add_function(wrap_pyfunction!(fit::implausible, m)?)?;
     m.add_function(wrap_pyfunction!(fit::fit, m)?)

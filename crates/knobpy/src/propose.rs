@@ -4,7 +4,7 @@ use super::model::PyModel;
 use super::progress::Progress;
 use super::signals::PySignals;
 use super::watched::watched;
-use knobcore::propose::{Law, Shapes, propose as propose_core};
+use knobcore::propose::{Law, Shapes, propose as propose_core, trace as trace_core};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -57,6 +57,24 @@ pub fn propose<'py>(
         Ok::<_, PyErr>(told)
     });
     Ok((laws.collect(), found.p_value, curve.transpose()?, left(py, found.shapes)?))
+}
+
+/// Of the law that a scan sees most of in what a fitted model leaves: its variables, what it takes off the sum of squares at
+/// least, in variances of the raw noise, and the chance of that where nothing is missing; `progress` as of `diagnose`.
+#[pyfunction]
+#[pyo3(signature = (data, model, progress=None))]
+pub fn trace(
+    py: Python<'_>,
+    data: Vec<PyRef<'_, PySignals>>,
+    model: &PyModel,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(Vec<&'static str>, f64, f64)> {
+    let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
+    let (model, signals) = (&model.0, &signals[..]);
+    let progress = Progress::of(progress);
+    let found = watched(py, model, || trace_core(signals, model, &|share| progress.tell(share)))?;
+    let found = progress.ended(found)?;
+    Ok((found.variables, found.gain, found.p_value))
 }
 
 fn left(py: Python<'_>, found: Shapes) -> PyResult<Left<'_>> {

@@ -307,6 +307,11 @@ class Fit(showing.Tabled):
         """What of the torque its filter takes off and the model does not have."""
         return beyond(self)
 
+    @cached_property
+    def trace(self) -> tuple[list[str], float, float]:
+        """Variables, gain (in variances of the raw noise) and chance of the law that it leaves most of."""
+        return _core.trace(refit.cores(self), self.core.model)
+
     @property
     def torque_unit(self) -> str:
         """What its errors are in."""

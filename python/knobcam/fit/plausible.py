@@ -40,8 +40,6 @@ _MANY = 10.0
 def implausible(candidate: Candidate, before: Fit) -> tuple[Said, ...]:
     """Return what is implausible about the values of a candidate, a sentence each."""
     fit = candidate.fit
-    clipped = any(finding.kind == "clipped" for one in fit.prepared for finding in one.capture.findings)
-    own = _core.implausible(cores(fit), fit.core, candidate.effect, clipped, before.before is None)
     return (
         *_once_a_turn(candidate.effect, fit),
         *_out_of_range(candidate.effect, fit),
@@ -49,8 +47,20 @@ def implausible(candidate: Candidate, before: Fit) -> tuple[Said, ...]:
         *_pushed_out(candidate, before),
         *_unseen(fit, before),
         *filtered_off(candidate.effect, fit),
-        *(said(one, **{effect: OfEffect(effect) for effect in fit.model.catalogue()}) for one in own),
+        *_not_its_own(candidate.effect, fit, first=before.before is None),
     )
+
+
+def stands_in(effect: str, fit: Fit) -> tuple[Said, ...]:
+    """Return what is implausible about the values that an effect has beside all that came in after it."""
+    return (*_out_of_range(effect, fit), *_not_its_own(effect, fit, first=True))
+
+
+def _not_its_own(effect: str, fit: Fit, *, first: bool) -> list[Said]:
+    """Return what an effect says of its values: `first` does not ask whether others explain it before."""
+    clipped = any(finding.kind == "clipped" for one in fit.prepared for finding in one.capture.findings)
+    own = _core.implausible(cores(fit), fit.core, effect, clipped, first)
+    return [said(one, **{effect: OfEffect(effect) for effect in fit.model.catalogue()}) for one in own]
 
 
 OTHER_SIGN = said("{tau} has the other sign: inertia and friction came out negative")

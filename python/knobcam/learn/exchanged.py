@@ -19,6 +19,7 @@ from ..fit.rule import RULE
 from ..model.effects import base_effects_shown
 from .joined import climbed
 from .ladder import first_weighed
+from .together import follows
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -74,19 +75,24 @@ def anew(
 ) -> Fit | None:
     """Return the last fit with one of its effects looked for anew beside the others, where that ends lower.
 
-    What came in first was looked for in the error of all that came after it: its period may be wrong. `after`
-    and `progress` as of `exchanged`; None where nothing ends lower, or in the same cases as there.
+    What came in first was looked for in the error of all that came after it: its period may be wrong. Where
+    chance explains the rest but for what follows a law, any of them may have ended beside its best values.
+    `after` and `progress` as of `exchanged`; None where nothing ends lower, or in the same cases as there.
     """
     first, last = ladder[0].fit, ladder[-1].fit
     found = _found(first, last)
-    if len(found) < 2 or after.complete:
+    if len(found) < 2 or (after.complete and not follows(last)):
         return None
-    for effect in found[:-1]:
+    for effect in found if after.complete else found[:-1]:
         try:
             again = add(last.drop(effect), effect, progress)
         except InputError:
             continue  # it does not go with the others
-        if again.rmse < (1.0 - _LOWER) * last.rmse:
+        if after.complete:
+            lower = gain(last, again, last) > RULE.price
+        else:
+            lower = again.rmse < (1.0 - _LOWER) * last.rmse
+        if lower:
             return replace(again, before=last.before)
     return None
 

@@ -20,6 +20,7 @@ from ..model.effects import base_effects_shown
 from .cut import Cut
 from .ladder import LearningStep, Unexplained, first_weighed
 from .limitations import width
+from .together import in_doubt
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
@@ -73,14 +74,15 @@ def concluded(ladder: Sequence[LearningStep], last: Diagnosis, base: Collection[
     elif len(names := [one for one in found if one not in end.model.laws]) > RULE.believed:
         template = "it takes {names} together to draw it, and so many draw nearly anything"
         words = said(template, names=in_words(", ", map(OfEffect, names)))
-        weighed = first_weighed(ladder) or last
-        bare = _unexplained(weighed.comparison) or Unexplained("time", 1.0, "")
-        found, unexplained = (), bare._replace(hint=words)
+        found, unexplained = (), _before(ladder, last)._replace(hint=words)
     # Within less than a detent its pull counts as inertia: that is said as what such a motion cannot tell.
     wrong = end.impossible if width(end) is None else friction_drives(end)
     if unexplained is None and wrong is not None:
         # However little it leaves, it is not this knob that it explains, and what stands beside it no cause.
         found, unexplained = (), Unexplained("load", 1.0, wrong)
+    if unexplained is None and (doubt := in_doubt(end, found, _before(ladder, last))) is not None:
+        none, unexplained = doubt
+        found = tuple(one for one in found if one in mainly and one not in none)
     if unexplained is None and (beyond := end.beyond) is not None:
         unexplained = Unexplained(beyond.axis, beyond.share, beyond.words)
     if unexplained is None and (fast := _out_of_sight(last)) is not None:
@@ -158,6 +160,12 @@ def _most(fit: Fit, effect: str) -> bool:
     """Whether an effect takes off most of what noise would not explain without it, to first order."""
     worth = fit.core.worth(effect) * fit.noise_floor**2 / fit.white_squares
     return worth * (1.0 - RULE.mainly) >= RULE.mainly * fit.excess
+
+
+def _before(ladder: Sequence[LearningStep], last: Diagnosis) -> Unexplained:
+    """Return what there was to explain before anything came in."""
+    weighed = first_weighed(ladder) or last
+    return _unexplained(weighed.comparison) or Unexplained("time", 1.0, "")
 
 
 def _unexplained(comparison: Comparison) -> Unexplained | None:

@@ -23,6 +23,8 @@ const LARGEST: f64 = 2.0;
 const LOCKED: [f64; 5] = [1.0, 2.0, 3.0, 4.0, 0.5];
 /// up to this share.
 const CLOSE: f64 = 0.01;
+/// Times the friction one way: what the other way has at least of what varies both ways.
+const BOTH_WAYS: f64 = 0.1;
 /// Share of its squares that waves have which return with each detent, at least, if it belongs to them.
 const RETURNS: f64 = 0.5;
 
@@ -116,9 +118,14 @@ impl Effect<9> for PositionFriction {
             let others = "{load_friction} or {directional_detent} would, by nature";
             return vec![format!("it repeats with the detents: {others}")];
         }
-        if context.friction[0] * context.friction[1] < 0.0 {
+        let [back, forth] = context.friction;
+        if back * forth < 0.0 {
             // More of it is a constant torque than friction, and with that it draws any map of position.
             return vec!["what varies pushes one way, there and back: it is a torque over position".into()];
+        }
+        if back.abs().min(forth.abs()) < BOTH_WAYS * back.abs().max(forth.abs()) {
+            // Less of it is a constant torque, but as good as all that there is one way.
+            return vec!["what varies rubs one way alone, as a pawl does and no friction".into()];
         }
         Vec::new()
     }
@@ -150,13 +157,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_pushes_one_way_there_and_back_is_no_friction() {
+    fn what_pushes_or_rubs_one_way_alone_is_no_friction() {
         let p = [0.1, 0.3, 0.0, 0.0, 0.2, 0.0, 0.0, 0.0, 0.0];
         let theta = (0..100).map(|i| 0.02 * f64::from(i)).collect();
         let context = Context { theta, ..Context::default() };
         let said = |friction| PositionFriction::implausible(&p, &Context { friction, ..context.clone() });
         assert!(said([0.0, 0.0]).is_empty() && said([2e-3, 9e-3]).is_empty());
         assert!(said([-2e-3, 9e-3])[0].contains("there and back"));
+        assert!(said([8e-4, 9e-3])[0].contains("one way alone") && said([9e-3, 0.0]).len() == 1);
     }
 
     #[test]

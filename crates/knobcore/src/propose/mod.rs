@@ -8,6 +8,7 @@ mod chance;
 mod curve;
 mod follow;
 mod grammar;
+mod ground;
 mod pairs;
 mod penalized;
 mod rows;
@@ -20,19 +21,16 @@ mod surface;
 mod tests;
 
 use crate::diagnose::{Tell, Watch};
-use crate::floor::{Floor, noises};
 use crate::model::Model;
-use crate::noise::Noise;
 use crate::order::{descending, firsts};
-use crate::param::Axis;
 use crate::rule::rule;
 use crate::signals::Signals;
-use chance::Chance;
 pub use curve::Curve;
 use follow::{Followed, Reach};
 use grammar::{Factor, Powers, Shape, Term, Variable};
+use ground::Ground;
 use rows::Rows;
-use scan::{Seen, Tried, functions, scan, sines, turning, values, widened};
+use scan::{Seen, Tried, scan, sines, turning, values, widened};
 pub use shapes::{Need, Shapes};
 pub use spline::Written;
 use std::sync::OnceLock;
@@ -90,6 +88,17 @@ pub struct Law {
     pub terms: usize,
 }
 
+/// What of a residual follows a law, before any is fitted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trace {
+    /// What the law is of.
+    pub variables: Vec<&'static str>,
+    /// What it takes off the sum of squares at least, in variances of the raw noise.
+    pub gain: f64,
+    /// Chance that a law of the grammar takes off as much where nothing is missing.
+    pub p_value: f64,
+}
+
 /// What could be missing from a model.
 #[derive(Debug, Clone)]
 pub struct Proposed {
@@ -103,15 +112,22 @@ pub struct Proposed {
     pub shapes: Shapes,
 }
 
-/// What noise leaves of captures, and its spectra; None where that is not known.
-fn known(data: &[&Signals], model: &Model) -> Option<(Floor, Vec<Noise>)> {
-    let noises = noises(data, model);
-    let floor = Floor::with(data, &noises);
-    let white = floor.white;
-    let known = white > 0.0 && floor.squares.is_finite();
-    known.then(|| {
-        let filled = noises.into_iter().map(|noise| noise.unwrap_or(Noise::white(white))).collect();
-        (floor, filled)
+/// The law that a scan sees most of in what a fitted model leaves; of nothing where the noise is not known, and None if
+/// `tell` no longer wanted it.
+pub fn trace(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Trace> {
+    let watch = Watch::new(tell, 2);
+    let none = Trace { variables: Vec::new(), gain: 0.0, p_value: 1.0 };
+    let Some(ground) = Ground::of(data, model) else { return Some(none) };
+    let seen = ground.search(&watch).looked();
+    watch.step();
+    if !watch.wanted() {
+        return None;
+    }
+    let Some(first) = seen.first() else { return Some(none) };
+    Some(Trace {
+        variables: Sum::from(first.term.clone()).variables(),
+        gain: first.gain / ground.floor.white,
+        p_value: ground.chance().p_value(first),
     })
 }
 
@@ -119,27 +135,11 @@ fn known(data: &[&Signals], model: &Model) -> Option<(Floor, Vec<Noise>)> {
 /// wanted it.
 pub fn propose(data: &[&Signals], model: &Model, sums: bool, tell: &Tell<'_>) -> Option<Proposed> {
     let watch = Watch::new(tell, 7);
-    let (fine, squares) = Rows::of(data, model);
     let none = Proposed { laws: Vec::new(), p_value: 1.0, curve: None, shapes: Shapes::default() };
-    let Some((floor, noises)) = known(data, model).filter(|_| fine.len() > 0) else { return Some(none) };
-    let white = floor.white;
-    let rows = [fine.coarse(MEDIUM), fine.coarse(COARSE)];
-    let reach = Reach::of(&fine);
-    let of = Variable::ALL;
-    let powers = Powers::among(&of);
-    let turns = model.axis == Axis::Rotary;
-    let tried = functions(&reach, &of, turns);
-    let values = [OnceLock::new(), OnceLock::new()];
-    let search = Search {
-        rows: &rows,
-        values: &values,
-        reach: &reach,
-        powers: &powers,
-        tried: &tried,
-        watch: &watch,
-        white,
-        turns,
-    };
+    let Some(ground) = Ground::of(data, model) else { return Some(none) };
+    let Ground { fine, squares, floor, rows, reach, .. } = &ground;
+    let (squares, white) = (*squares, floor.white);
+    let search = ground.search(&watch);
     let seen = search.looked();
     watch.step();
     let mut followed = search.followed(&seen);
@@ -151,7 +151,7 @@ pub fn propose(data: &[&Signals], model: &Model, sums: bool, tell: &Tell<'_>) ->
     followed.sort_by_cached_key(|one| descending(search.score(one)));
     watch.step();
     let mut ended: Vec<Followed> = watch
-        .each(&spread(&followed), |one| Some(Followed::at(&fine, one.law.clone())?.best(&fine, END, &reach)))
+        .each(&spread(&followed), |one| Some(Followed::at(fine, one.law.clone())?.best(fine, END, reach)))
         .into_iter()
         .flatten()
         .collect();
@@ -161,7 +161,7 @@ pub fn propose(data: &[&Signals], model: &Model, sums: bool, tell: &Tell<'_>) ->
     }
     ended.sort_by_cached_key(|one| descending(search.score(one)));
     let (Some(found), Some(first)) = (seen.first(), ended.first()) else { return Some(none) };
-    let chance = Chance::of((data, &noises), &rows[1], (&powers, &tried), white);
+    let chance = ground.chance();
     let p_value = chance.p_value(found);
     let excess = squares - floor.squares;
     let enough = |one: &Followed| one.gain >= rule().share * excess && one.gain >= rule().worth * squares;
@@ -183,7 +183,7 @@ pub fn propose(data: &[&Signals], model: &Model, sums: bool, tell: &Tell<'_>) ->
         // What is small beside the first shows once that is taken off.
         let rest = [rows[0].without(&first.law), rows[1].without(&first.law)];
         let beside = Search { rows: &rest, ..search }.looked();
-        let pairs = search.pairs(&followed, &[&seen, &beside], &fine);
+        let pairs = search.pairs(&followed, &[&seen, &beside], fine);
         let pairs: Vec<Followed> = pairs.into_iter().filter(|pair| worth(pair) && !by_chance(pair)).collect();
         ended.extend(pairs);
         ended.sort_by_cached_key(|one| descending(search.score(one)));
@@ -199,7 +199,7 @@ pub fn propose(data: &[&Signals], model: &Model, sums: bool, tell: &Tell<'_>) ->
     let off = OFF * rule().law.powi(2) * first.gain / white;
     let margin = rule().alike.max(rule().relative * left).max(off);
     let ended = paid(ended, margin, white);
-    let curve = curve::of(&fine, &ended[..ended.len().min(DRAWN)]);
+    let curve = curve::of(fine, &ended[..ended.len().min(DRAWN)]);
     let top = ended.iter().map(|one| search.score(one)).fold(f64::NEG_INFINITY, f64::max);
     let law = |one: Followed| {
         let written = one.law.written(&one.coefficients);
@@ -215,7 +215,7 @@ pub fn propose(data: &[&Signals], model: &Model, sums: bool, tell: &Tell<'_>) ->
         }
     };
     let laws: Vec<Law> = ended.into_iter().map(law).collect();
-    let shapes = shapes::shapes((&fine, &rows), &reach, &chance, top, &watch)?;
+    let shapes = shapes::shapes((fine, rows), reach, &chance, top, &watch)?;
     Some(Proposed { laws, p_value, curve, shapes })
 }
 

@@ -2,14 +2,16 @@
 
 mod pressed;
 mod surfaces;
+mod traces;
 
 use super::grammar::Shape;
+use super::scan::functions;
 use super::*;
 use crate::effects::formula::Formula;
 use crate::fit::refine;
 use crate::model::Run;
 use crate::motion::Motion;
-use crate::param::Unit;
+use crate::param::{Axis, Unit};
 use crate::predict;
 use crate::random;
 use alloc::collections::BTreeMap;

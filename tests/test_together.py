@@ -1,0 +1,107 @@
+"""Several effects that leave chance alone, and are no causes: they draw together what none of them is."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from examiner import Case
+from known import BASE, Known, climbed, comparison, split
+from small import COUPLINGS
+
+import knobcam as kc
+from knobcam.learn import LearningResult, exchanged, selection, together
+from knobcam.learn.ladder import Unexplained
+
+LEFT = Unexplained("position", 0.4, "")
+
+
+def learnt(case: str, every: int = 4) -> LearningResult:
+    """A search with every so manieth sample of a case, without joints, which take by far the longest."""
+    knob = Case.parse(case).make().capture
+    names = {
+        "t": "t_s",
+        "theta": "theta_rad",
+        "omega": "omega_rad_s",
+        "alpha": "alpha_rad_s2",
+        "tau": "tau_Nm",
+    }
+    columns = {name: np.asarray(knob[column][::every]) for name, column in names.items()}
+    return kc.learn(kc.Capture.from_arrays(**columns), without=COUPLINGS)
+
+
+@pytest.mark.parametrize("seed", [460000, 460001])
+def test_a_pawl_is_not_said_to_be_friction_over_position_and_what_gives_it_a_constant(seed: int) -> None:
+    story = learnt(f"strange/pawl:{seed}")
+    assert story.verdict == "unexplained"
+
+
+def doubted(
+    monkeypatch: pytest.MonkeyPatch,
+    trace: tuple[list[str], float, float],
+    bent: str = "",
+    joint: str | None = None,
+) -> object:
+    fit = SimpleNamespace(
+        trace=trace,
+        model=SimpleNamespace(joint=joint),
+        noise_floor=2.0,
+        white_squares=400.0,
+        rmse=2.0,
+    )
+    monkeypatch.setattr(together, "stands_in", lambda one, _: ("it is a trend",) if one == bent else ())
+    monkeypatch.setattr(together, "off_by_law", lambda _: 0.1)
+    return together.in_doubt(fit, ("unbalance", "stribeck"), LEFT)  # type: ignore[arg-type]
+
+
+def test_what_a_law_takes_off_beyond_chance_and_beyond_what_laws_may_be_off_by_speaks_against_a_set(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    none, left = doubted(monkeypatch, (["omega", "theta"], 20.0, 0.005))
+    assert none == () and (left.axis, left.share) == ("position", 0.05)
+    assert left.hint == (
+        "unbalance and stribeck draw all but what follows position there, which chance does not make"
+    )
+    assert doubted(monkeypatch, (["omega", "theta"], 20.0, 0.006)) is None
+    assert doubted(monkeypatch, (["omega", "theta"], 9.0, 0.005)) is None
+    assert doubted(monkeypatch, (["omega", "theta"], 20.0, 0.005), joint="backlash") is None
+
+
+def test_of_a_set_an_effect_with_values_that_are_not_its_own_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    none, left = doubted(monkeypatch, ([], 0.0, 1.0), bent="stribeck", joint="backlash")
+    assert none == ("stribeck",) and left[:2] == LEFT[:2]
+    assert str(left.hint).endswith("but stribeck by values that cannot be its own: it is a trend")
+
+
+def test_what_is_in_doubt_is_unexplained_and_a_cause_beside_it_is_still_named(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for name, answer in (("width", None), ("at_bounds", {}), ("tells_nothing", None)):
+        monkeypatch.setattr(selection, name, lambda _, answer=answer: answer)
+    monkeypatch.setattr(selection, "in_doubt", lambda *_: (("detent",), LEFT))
+    ladder = climbed(("presliding", 4.0), ("detent", 1.5))
+    last = SimpleNamespace(comparison=comparison(True, split("velocity", 0.3)), candidates=())
+    told = selection.concluded(ladder, last, BASE)
+    assert (told.found, told.unexplained) == (("presliding",), LEFT)
+
+
+def test_where_chance_explains_the_rest_but_for_what_follows_a_law_each_is_looked_for_anew(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    ladder = climbed(("stribeck", 3.0), ("unbalance", 1.02))
+    asked: list[str] = []
+
+    def again(rmse: float, *, follows: bool = True) -> object:
+        def add(fit: Known, effect: str, _: object) -> Known:
+            asked.append(effect)
+            return Known(rmse, (*fit.effects, effect), fit)
+
+        monkeypatch.setattr(exchanged, "add", add)
+        monkeypatch.setattr(exchanged, "follows", lambda _: follows)
+        return exchanged.anew(ladder, comparison(True), lambda _: None)
+
+    assert again(1.0, follows=False) is None and asked == []
+    # A thousand samples of noise: 1.0 takes off 40 variances, more than a parameter costs, and 1.019 only 2.
+    assert again(1.019) is None and set(asked) == {"stribeck", "unbalance"}
+    assert again(1.0).rmse == 1.0  # type: ignore[attr-defined]
