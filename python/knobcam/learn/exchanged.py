@@ -81,13 +81,24 @@ def anew(
     found = _found(first, last)
     if len(found) < 2 or after.complete:
         return None
-    for effect in found[:-1]:
+    lower = looked_anew(last, found[:-1], progress)
+    return None if lower is None else replace(lower[0], before=last.before)
+
+
+def looked_anew(
+    fit: Fit, effects: Sequence[str], progress: Callable[[float], object]
+) -> tuple[Fit, str] | None:
+    """Return a fit with the first of these effects that, looked for anew beside the others, lets it end lower.
+
+    And which that is; None where none does. What `progress` raises ends the work.
+    """
+    for effect in effects:
         try:
-            again = add(last.drop(effect), effect, progress)
+            again = add(fit.drop(effect), effect, progress)
         except InputError:
             continue  # it does not go with the others
-        if again.rmse < (1.0 - _LOWER) * last.rmse:
-            return replace(again, before=last.before)
+        if again.rmse < (1.0 - _LOWER) * fit.rmse:
+            return again, effect
     return None
 
 

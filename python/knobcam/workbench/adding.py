@@ -11,13 +11,17 @@ from ..fit.fitting import as_logged
 from ..learn import LearningResult
 from ..learn.cut import Deadline
 from ..learn.earlier import retested
+from ..learn.exchanged import looked_anew
 from ..learn.search import Search
 from ..model.effects import base_effects_shown
 from .learned import in_vain, ladder, learned
 from .tree import Node
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from ..fit import Fit
+    from ..learn.ladder import LearningStep
     from ..learn.selection import Selection
     from .session import Session
     from .tell import Tell
@@ -44,9 +48,25 @@ def add(session: Session, effect: str, tell: Tell) -> None:
     else:
         richer = refit.add(node.fit, effect, lambda _: tell(doing))
     richer, gone = retested(richer, unasked(session, effect, richer))
+    richer, again = _beside(ladder(branch.done), richer, effect, lambda _: tell(doing))
+    evidence |= {"also_dropped": gone, "again": again}
     tell(said("putting {effect} in place", effect=OfEffect(effect)), last=True)
-    made = Node(session.new("n"), richer, node.captures, "added", effect, also_dropped=gone, **evidence)
+    made = Node(session.new("n"), richer, node.captures, "added", effect, **evidence)
     session.put([made], branch, node)
+
+
+def _beside(
+    steps: Sequence[LearningStep], fit: Fit, effect: str, progress: Callable[[float], object]
+) -> tuple[Fit, str | None]:
+    """Return a fit in which what came in before is what it is beside a new effect, and what was looked for anew.
+
+    It was looked for in the error of both: friction that rises towards standstill, say, over the whole range
+    of speeds where a drag was missing, and from there no fit comes back.
+    """
+    came = [one.added for one in steps if one.added in fit.model.effects and one.added != effect]
+    if not came or fit.model.joint is not None or fit.compare().complete:
+        return fit, None
+    return looked_anew(fit, [one for one in came if one], progress) or (fit, None)
 
 
 def unasked(session: Session, effect: str, fit: Fit) -> list[str]:

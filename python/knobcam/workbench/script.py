@@ -66,7 +66,8 @@ def _step(node: Node, names: Mapping[str, str], start: Start) -> str:
         return f"fit = story.ladder[{node.rung}].fit"
     if node.how == "added":
         gone = "".join(f".drop({one!r})" for one in node.also_dropped)
-        return f"fit = fit.add({node.effect!r}){gone}"
+        again = f".drop({node.again!r}).add({node.again!r})" if node.again else ""
+        return f"fit = fit.add({node.effect!r}){gone}{again}"
     if node.how == "dropped":
         return f"fit = fit.drop({node.effect!r})"
     return f"fit = kc.fit({_given(node, names, start)})"
