@@ -118,7 +118,7 @@ class App {
     };
     this.askOf = opening(heard);
     saving(heard);
-    unhiding(heard.failed);
+    unhiding(heard);
     this.live = new Live({ ...heard, open: (path) => this.ask("open", { path }, "data") });
     sources({
       ...{ made: heard.done, say: heard.say, recording: () => this.live?.follow() },

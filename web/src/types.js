@@ -387,9 +387,10 @@
  *
  * `more`: whether there is another hint; `wrong` effects were added and are not there; of the `hidden` ones
  * so many are `found`, and `solved` says that nothing else is in the model. While a challenge, which is
- * `graded`, is `sealed`, what the program thinks is not shown; `given_up`: it was told before it was found.
+ * `graded` and of a `level`, is `sealed`, what the program thinks is not shown; `given_up`: it was told
+ * before it was found.
  * @typedef {{hints: string[], more: boolean, wrong: string[], found: number, hidden: number, solved: boolean,
- *   given_up: boolean, graded: boolean, sealed: boolean, score: number}} Challenge
+ *   given_up: boolean, graded: boolean, level: string, sealed: boolean, score: number}} Challenge
  */
 
 /**

@@ -58,7 +58,7 @@ def add(session: Session, effect: str, tell: Tell) -> None:
 def _beside(
     steps: Sequence[LearningStep], fit: Fit, effect: str, progress: Callable[[float], object]
 ) -> tuple[Fit, str | None]:
-    """Return a fit in which what came in before is what it is beside a new effect, and what was looked for anew.
+    """Return a fit in which what came in before is what it is beside a new effect, and what was sought anew.
 
     It was looked for in the error of both: friction that rises towards standstill, say, over the whole range
     of speeds where a drag was missing, and from there no fit comes back.

@@ -232,17 +232,17 @@ var SEEN = 1e-3;
 var LEAST = 0.02;
 function spectrumOf(split) {
   if (!split) return null;
-  const level = split.band.map((value) => value ?? 0);
-  const highest = Math.max(...level);
+  const level2 = split.band.map((value) => value ?? 0);
+  const highest = Math.max(...level2);
   const middle = split.low.map((low, at) => (low + split.high[at]) / 2);
-  const shown2 = [...middle.keys()].filter((at) => middle[at] > 0 && level[at] > SEEN * highest);
+  const shown2 = [...middle.keys()].filter((at) => middle[at] > 0 && level2[at] > SEEN * highest);
   if (shown2.length < 2) return null;
-  const levels = shown2.map((at) => level[at]).sort((a, b) => a - b);
+  const levels = shown2.map((at) => level2[at]).sort((a, b) => a - b);
   const least = LEAST * levels[levels.length >> 1];
   return {
     x: shown2.map((at) => Math.log10(middle[at])),
     y: shown2.map((at) => Math.log10(Math.max(split.mean[at], least))),
-    chance: shown2.map((at) => Math.log10(level[at]))
+    chance: shown2.map((at) => Math.log10(level2[at]))
   };
 }
 function drawSpectrum(brush, { x, y, chance }, { across, up, bottom }, colours) {
@@ -1533,12 +1533,12 @@ function stops(brush, { along, torque }, { ink, shade, colour }) {
   brush.strokeStyle = colour;
   if (torque !== 0) line(brush, [[at + 20, 34], [at + 20 + 40 * torque, 34]]);
 }
-function gauge(brush, { level, bare }, { ink, soft, colour }) {
+function gauge(brush, { level: level2, bare }, { ink, soft, colour }) {
   brush.strokeStyle = soft;
   brush.beginPath();
   brush.arc(115, 108, 92, Math.PI, 2 * Math.PI);
   brush.stroke();
-  for (const [value, needle] of [[bare, soft], [level, colour]]) {
+  for (const [value, needle] of [[bare, soft], [level2, colour]]) {
     const way = Math.PI / 2 - 1.3 * Number(value);
     brush.strokeStyle = String(needle);
     line(brush, [[115, 108], [115 + 84 * Math.cos(way), 108 - 84 * Math.sin(way)]]);
@@ -2124,7 +2124,8 @@ function saving(heard) {
 // src/hidden.js
 var hiding = [];
 var asked = 0;
-function unhiding(failed) {
+var level = "";
+function unhiding({ failed, done }) {
   byId("unhide").addEventListener("click", async () => {
     try {
       const told = await Promise.all(hiding.map((capture) => post("hidden", { capture })));
@@ -2136,6 +2137,7 @@ function unhiding(failed) {
   const hint = (whole) => post("hint", { capture: hiding[0], whole }).catch(failed);
   byId("hint").addEventListener("click", () => hint(false));
   byId("unseal").addEventListener("click", () => hint(true));
+  byId("next-challenge").addEventListener("click", () => post("simulate", { level }).then(done, failed));
 }
 async function showHidden({ captures, active }) {
   const now = captures.filter(({ id, hides }) => hides && active.includes(id)).map(({ id }) => id);
@@ -2150,15 +2152,19 @@ async function showHidden({ captures, active }) {
   const told = await ask("challenge", { capture: now[0] }).catch(() => null);
   if (told && mine === asked) showStanding(told);
 }
-function showStanding({ hints, more, wrong, found: found2, hidden, solved, given_up, graded, sealed, score }) {
+function showStanding({ hints, more, wrong, found: found2, hidden, solved, given_up, graded, level: of, sealed, score }) {
+  const over = solved || given_up;
+  level = of;
   document.body.classList.toggle("sealed", sealed);
   byId("unseal").hidden = !sealed;
   byId("challenge-said").classList.toggle("well", solved && !given_up);
   byId("challenge-score").textContent = graded ? `${score} points` : "";
   byId("challenge-said").textContent = graded ? standingWords({ wrong, found: found2, hidden, solved, given_up }) : surpriseWords({ found: found2, hidden, solved });
-  byId("hint").hidden = !graded;
+  byId("hint").hidden = !graded || over;
+  byId("unhide").hidden = graded && solved && !given_up;
+  byId("next-challenge").hidden = !graded || !over;
   byId("challenge-hints").replaceChildren(...hints.map((text) => make("li", { text })));
-  byId("hint").disabled = !more || solved || given_up;
+  byId("hint").disabled = !more;
 }
 function surpriseWords({ found: found2, hidden, solved }) {
   const [what, is] = hidden === 1 ? ["What was hidden", "one effect is"] : [`All ${hidden} effects that were hidden`, `${hidden} effects are`];
@@ -5054,8 +5060,8 @@ function sources(heard) {
     if (!known2) return;
     fill(form, "motion", Object.entries(known2.motions[source]).map(([name2, words4]) => [name2, `${name2}: ${words4}`]));
     byId("new-warning").hidden ||= valueOf(form, "motion") === "hand" && !valueOf(form, "model").trim();
-    const level = levelOf(form);
-    for (const name2 of ["knob", "motion", "duration_s", "seed"]) field2(form, name2).disabled = level !== "";
+    const level2 = levelOf(form);
+    for (const name2 of ["knob", "motion", "duration_s", "seed"]) field2(form, name2).disabled = level2 !== "";
     const hideable = known2.knobs.find(({ name: name2 }) => name2 === valueOf(form, "knob"))?.hideable ?? [];
     for (const box of byId("new-effects").querySelectorAll("input")) box.disabled = !hideable.includes(box.value);
   };
@@ -5365,7 +5371,7 @@ var App = class {
     };
     this.askOf = opening(heard);
     saving(heard);
-    unhiding(heard.failed);
+    unhiding(heard);
     this.live = new Live({ ...heard, open: (path) => this.ask("open", { path }, "data") });
     sources({
       ...{ made: heard.done, say: heard.say, recording: () => this.live?.follow() },
