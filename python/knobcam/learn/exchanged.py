@@ -88,7 +88,7 @@ def anew(
 def looked_anew(
     fit: Fit, effects: Sequence[str], progress: Callable[[float], object]
 ) -> tuple[Fit, str] | None:
-    """Return a fit with the first of these effects that, looked for anew beside the others, lets it end lower.
+    """Return a fit with the first of these effects that ends lower, looked for anew beside the others.
 
     And which that is; None where none does. What `progress` raises ends the work.
     """
