@@ -24,11 +24,20 @@ const before = await ladder();
 await find.click();
 await page.locator("#job-what", { hasText: /^(fitting|weighing|adding)/ }).waitFor();
 assert.doesNotMatch(await page.locator("#job-what").textContent(), /_/, "no ids");
+const stop = page.getByRole("button", { name: "Stop here" });
+assert.ok(await stop.isVisible(), "it can be ended with what it has");
 await page.getByRole("button", { name: "Cancel" }).click();
 await page.locator("#said", { hasText: "cancelled; nothing was changed" }).waitFor();
 assert.deepEqual(await ladder(), before);
 
+// Ended before anything came in it says so, and can be begun again.
+await find.click();
+await stop.click();
+await page.locator("#said", { hasText: /^the search was ended after \d+\u00a0s; nothing had come in yet$/ }).waitFor();
+assert.deepEqual(await ladder(), before);
+
 await page.locator("#verdict .leads", { hasText: "find everything" }).waitFor();
+assert.ok(await stop.isHidden(), "of what is weighed in the background there is nothing to keep");
 await alone.waitFor(); // whoever goes step by step is told that the search may end elsewhere
 await page.locator("#verdict .leads", { hasText: "find everything" }).evaluate((lead) => lead.click());
 await done(page, "search", () => page.locator("aside").evaluate((aside) => aside.scrollTo(0, aside.scrollHeight)));

@@ -2,10 +2,7 @@
  * What the server and the reports tell. Made by `python3 dev.py page` of pages*.py in python/knobcam/base.
  */
 
-/**
- * A number with its unit, and as text has it.
- * @typedef {{value: number, unit: string, text: string}} Quantity
- */
+/** A number with its unit, and as text has it. @typedef {{value: number, unit: string, text: string}} Quantity */
 
 /**
  * A stretch of an axis, where the knob moves forward (1), backward (-1) or both (0); `words` for it.
@@ -13,30 +10,15 @@
  *   low: number, high: number, unit: string, direction: number, words: string}} Stretch
  */
 
-/**
- * The axis that something lies along.
- * @typedef {{along: string}} OfAxis
- */
+/** The axis that something lies along. @typedef {{along: string}} OfAxis */
 
-/**
- * An effect, by its id.
- * @typedef {{effect: string}} OfEffect
- */
+/** An effect, by its id. @typedef {{effect: string}} OfEffect */
 
-/**
- * A parameter, by its name.
- * @typedef {{param: string}} OfParam
- */
+/** A parameter, by its name. @typedef {{param: string}} OfParam */
 
-/**
- * A column of a capture, by its name.
- * @typedef {{column: string}} OfColumn
- */
+/** A column of a capture, by its name. @typedef {{column: string}} OfColumn */
 
-/**
- * Words with more to know behind them.
- * @typedef {{words: string, topic: "error" | "findings"}} Topic
- */
+/** Words with more to know behind them. @typedef {{words: string, topic: "error" | "findings"}} Topic */
 
 /**
  * What to do, in words of the command line, and the `way` of it.
@@ -60,10 +42,7 @@
  *   laws: (((number | null)[])[] | null)[]}} Surface
  */
 
-/**
- * A limit, and how wide it would have to be.
- * @typedef {{limit: string, to: number}} Enough
- */
+/** A limit, and how wide it would have to be. @typedef {{limit: string, to: number}} Enough */
 
 /**
  * Two rivals: D that a motion promises, that of the best standard one, and what came (null: not yet).
@@ -193,10 +172,14 @@
  */
 
 /**
- * What is being done; `done` from 0 to 1, null while nobody can tell.
+ * What is being done, for how many `seconds`; `done` from 0 to 1, null while nobody can tell.
+ *
+ * `takes_s`: from how many seconds to how many it usually takes, where that is known. One that `stops` can
+ * be ended with what it has found by then.
  * @typedef {{id: string,
  *   what: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
- *   done: number | null, recording: boolean}} Job
+ *   done: number | null, takes_s: [number, number] | null, seconds: number, stops: boolean, recording: boolean}}
+ *   Job
  */
 
 /**
@@ -208,10 +191,7 @@
  *   low: number[], high: number[], direction: number[], mean: number[], band: (number | null)[]}} Split
  */
 
-/**
- * The answer of `GET /api/splits`: the error of a fit along every axis.
- * @typedef {{splits: Split[]}} Splits
- */
+/** The answer of `GET /api/splits`: the error of a fit along every axis. @typedef {{splits: Split[]}} Splits */
 
 /**
  * What a session has; before the first capture there is no node, `proposed` is null until it is asked.
@@ -280,13 +260,15 @@
 /**
  * What an answer may say besides the revision.
  * @typedef {{job?: string, path?: string, log?: string, share?: number, hidden?: string[], cancelled?: boolean,
- *   tried?: Law, unfinished?: string}} More
+ *   cut?: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[], tried?: Law,
+ *   unfinished?: string}} More
  */
 
 /**
  * What a request is answered that changes or asks something, and where the session is now.
  * @typedef {{job?: string, path?: string, log?: string, share?: number, hidden?: string[], cancelled?: boolean,
- *   tried?: Law, unfinished?: string, revision: number, node: string | null}} Answer
+ *   cut?: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[], tried?: Law,
+ *   unfinished?: string, revision: number, node: string | null}} Answer
  */
 
 /**
@@ -327,10 +309,7 @@
  * @typedef {{name: string, words: string, hideable: string[]}} Knob
  */
 
-/**
- * A serial port, and what is plugged in there.
- * @typedef {{port: string, words: string}} FoundPort
- */
+/** A serial port, and what is plugged in there. @typedef {{port: string, words: string}} FoundPort */
 
 /**
  * The answer of `GET /api/sources`: what captures can be made of; names with words for them.

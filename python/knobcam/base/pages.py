@@ -187,11 +187,18 @@ class Law(LadderStep):
 
 
 class Job(TypedDict):
-    """What is being done; `done` from 0 to 1, null while nobody can tell."""
+    """What is being done, for how many `seconds`; `done` from 0 to 1, null while nobody can tell.
+
+    `takes_s`: from how many seconds to how many it usually takes, where that is known. One that `stops` can
+    be ended with what it has found by then.
+    """
 
     id: str
     what: list[Part]
     done: float | None
+    takes_s: tuple[float, float] | None
+    seconds: float
+    stops: bool
     recording: bool
 
 
@@ -325,6 +332,7 @@ class More(TypedDict, total=False):
     share: float
     hidden: list[str]
     cancelled: bool
+    cut: list[Part]
     tried: Law
     unfinished: str
 

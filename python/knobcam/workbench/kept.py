@@ -63,7 +63,8 @@ def of_node(node: Node, after: Node | None) -> Record:
     told: dict[str, Any] = {"id": node.id, "after": None if after is None else after.id, "how": node.how}
     told |= {"effect": node.effect, "captures": list(node.captures), "onward": node.onward}
     told |= {"p_value": node.p_value, "equivalent": list(node.equivalent)}
-    told |= {"also_dropped": list(node.also_dropped), "again": node.again, "rung": node.rung}
+    told |= {"also_dropped": list(node.also_dropped), "again": node.again}
+    told |= {"rung": node.rung, "cut": node.cut}
     return {"node": told | {"rmse": node.fit.rmse, "model": node.fit.model.text()}}
 
 
@@ -270,6 +271,7 @@ def _fit_again(told: Record, found: Again, start: Start) -> None:
     evidence: dict[str, Any] = {"p_value": p_value, "equivalent": tuple(told["equivalent"])}
     evidence |= {"also_dropped": tuple(told.get("also_dropped", ()))}
     evidence |= {name: told.get(name) for name in ("again", "rung")}
+    evidence |= {"cut": told.get("cut", False)}
     captures = tuple(told["captures"])
     found.nodes[told["id"]] = Node(
         told["id"], fitted, captures, told["how"], told["effect"], told["onward"], **evidence

@@ -1596,9 +1596,9 @@ function acting(effect, { data, at, added }) {
     const scale = torqueScale(data);
     words4.textContent = momentWords(t[now], motion.added ? motion.added[now] : null, scale);
   };
-  const frame = (clock) => {
+  const frame = (clock2) => {
     if (!playing || !canvas.isConnected || !canvas.closest("dialog[open]")) return run(false);
-    const time = begun.time + PACE * (clock - begun.clock) / 1e3;
+    const time = begun.time + PACE * (clock2 - begun.clock) / 1e3;
     let now = Number(slider.value);
     while (now < t.length - 1 && t[now] < time) now++;
     slider.value = String(now);
@@ -2183,16 +2183,36 @@ function standingWords({ wrong, found: found2, hidden, solved, given_up }) {
 
 // src/job.js
 var NOTHING3 = { unit: "N m", peak: 0, coordinate: "rotary" };
+function jobButtons(ask2, say) {
+  byId("cancel").addEventListener("click", async () => {
+    const answer = await ask2("cancel");
+    if (answer?.cancelled === false) say("too late to cancel: it is done");
+  });
+  byId("enough").addEventListener("click", () => ask2("enough"));
+}
+var LONG_S = 2;
+var since = 0;
+var clock;
 function showJob(job, about2) {
   byId("job").hidden = job === null;
+  clearInterval(clock);
   if (!job) return;
   byId("job-what").textContent = sentence(job.what, about2 ?? NOTHING3);
+  byId("enough").hidden = !job.stops;
   const bar2 = (
     /** @type {HTMLProgressElement} */
     byId("job-done")
   );
   if (job.done === null) bar2.removeAttribute("value");
   else bar2.value = job.done;
+  since = performance.now() - 1e3 * job.seconds;
+  const tick = () => void (byId("job-time").textContent = timeWords((performance.now() - since) / 1e3, job.takes_s));
+  tick();
+  clock = setInterval(tick, 1e3);
+}
+function timeWords(seconds2, takes) {
+  const usual = takes ? `, usually ${number(takes[0], 1)} to ${number(takes[1], 1)} s` : "";
+  return seconds2 < LONG_S && !usual ? "" : `${Math.floor(seconds2)} s${usual}`;
 }
 
 // src/keys.js
@@ -3911,8 +3931,8 @@ var Live = class {
   }
   /** Fetch what came since the last time, and show it in the next frame. */
   async look() {
-    const since = String(this.columns.t?.length ?? 0);
-    const { head: head2, columns } = unpacked(await fetchBytes("/api/live", { since }));
+    const since2 = String(this.columns.t?.length ?? 0);
+    const { head: head2, columns } = unpacked(await fetchBytes("/api/live", { since: since2 }));
     this.told = head2.live ?? null;
     for (const [name2, more] of Object.entries(columns)) this.columns[name2] = appended(this.columns[name2], more);
     if (this.waiting) return;
@@ -4697,10 +4717,10 @@ var Next = class {
     if (!motion || !state?.experiment || byId("next").hidden) return;
     const words4 = motionWords(aboutOf(state));
     const both = (name2) => [...recorded.map((part) => part[name2]), motion[name2]];
-    const since = recorded.map(({ t }) => t.map((value) => value - (t[0] ?? 0)));
+    const since2 = recorded.map(({ t }) => t.map((value) => value - (t[0] ?? 0)));
     const [over, across] = ["theta", "omega"].map((name2) => ({ y: both(name2), name: name2 }));
     for (const [at, { y, name: name2 }] of [over, across].entries()) {
-      const x = at === 0 ? [...since, motion.t] : both("theta");
+      const x = at === 0 ? [...since2, motion.t] : both("theta");
       const label = (one) => `${words4[one].name}, ${words4[one].unit}`;
       this.plots[at].show({
         title: at === 0 ? `${words4.theta.name} over time` : `velocity over ${words4.theta.name}`,
@@ -5400,10 +5420,7 @@ var App = class {
     for (const verb of ["undo", "redo", "snap", "search"]) {
       byId(verb).addEventListener("click", () => this.ask(verb, {}, verb));
     }
-    byId("cancel").addEventListener("click", async () => {
-      const answer = await this.ask("cancel");
-      if (answer?.cancelled === false) this.say("too late to cancel: it is done");
-    });
+    jobButtons((verb) => this.ask(verb), (words4) => this.say(words4));
     byId("new-branch").addEventListener("click", () => this.ask("branch"));
     byId("clear").addEventListener("click", () => this.linked.clear());
     byId("closer").addEventListener("click", () => this.linked.lookCloser());
@@ -5457,7 +5474,7 @@ var App = class {
     if (deed) this.deed = { what: deed, start: performance.now() };
     try {
       const answer = await post(verb, body);
-      this.say("");
+      this.say(answer.cut && this.state ? sentence(answer.cut, aboutOf(this.state)) : "");
       if (verb === "search") shown(byId("verdict"));
       if (answer.node && this.state?.node && deed !== "data") this.expect(answer.node, capturesOf(answer.node, this.state));
       if (answer.revision !== void 0) this.refresh(answer.revision);
