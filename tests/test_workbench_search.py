@@ -131,7 +131,7 @@ def test_a_search_says_how_long_it_takes_once_it_has_weighed_and_its_bar_never_g
     known = [takes for _, takes, _ in seen if takes is not None]
     assert len({*known}) == 1 and 0.0 < known[0][0] < known[0][1]
     done = [one for _, _, one in seen if one is not None]
-    assert done == sorted(done) and 0.0 < done[0] and done[-1] < 1.0
+    assert done == sorted(done) and done[0] > 0.0 and done[-1] < 1.0
     before = [done for what, takes, done in seen if takes is None]
     assert set(before) == {None}  # and until it has weighed it promises nothing
 

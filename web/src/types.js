@@ -6,8 +6,10 @@
 
 /**
  * A stretch of an axis, where the knob moves forward (1), backward (-1) or both (0); `words` for it.
+ *
+ * `ends` are low and high as they are written: as near to zero as nothing beside the other is zero.
  * @typedef {{axis: "position" | "velocity" | "acceleration" | "load" | "history" | "time" | "frequency",
- *   low: number, high: number, unit: string, direction: number, words: string}} Stretch
+ *   low: number, high: number, ends: [number, number], unit: string, direction: number, words: string}} Stretch
  */
 
 /** The axis that something lies along. @typedef {{along: string}} OfAxis */
@@ -24,6 +26,18 @@
  * What to do, in words of the command line, and the `way` of it.
  * @typedef {{advice: string, way: "" | "columns" | "unit" | "minus" | "unwrap" | "parts" | "drive" | "command"}}
  *   Advice
+ */
+
+/**
+ * What captures cannot tell; `sharpen` is the parameter, if one, that a motion of its own tells.
+ * @typedef {{said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
+ *   sharpen: string | null}} Limitation
+ */
+
+/**
+ * A parameter on which captures disagree, and by how much.
+ * @typedef {{param: string,
+ *   said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[]}} Disagreement
  */
 
 /**
@@ -208,9 +222,8 @@
  *   sets: boolean, searched: boolean,
  *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   record: string | null, carried: Carried[], ladder: LadderStep[], candidates: Candidates, warnings: string[],
- *   limitations: ((string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[])[],
- *   disagreements: ((string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[])[],
- *   titles: Record<string, string>, absent: Effect[], untold: string[][], proposed: Law[] | null,
+ *   limitations: Limitation[], disagreements: Disagreement[], titles: Record<string, string>, absent: Effect[],
+ *   untold: string[][], proposed: Law[] | null,
  *   proposed_said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   curve: Curve | null, surface: Surface | null, limits: Record<string, number> | null,
  *   experiment: Experiment | null, needless: string[], shown_along: string | null}} Session
@@ -248,9 +261,8 @@
  *   sets: boolean, searched: boolean,
  *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   record: string | null, carried: Carried[], ladder: LadderStep[], candidates: Candidates, warnings: string[],
- *   limitations: ((string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[])[],
- *   disagreements: ((string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[])[],
- *   titles: Record<string, string>, absent: Effect[], untold: string[][], proposed: Law[] | null,
+ *   limitations: Limitation[], disagreements: Disagreement[], titles: Record<string, string>, absent: Effect[],
+ *   untold: string[][], proposed: Law[] | null,
  *   proposed_said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   curve: Curve | null, surface: Surface | null, limits: Record<string, number> | null,
  *   experiment: Experiment | null, needless: string[], shown_along: string | null, job: Job | null,

@@ -7,7 +7,7 @@ on a linear axis; all else in SI too.
 
 from typing import Literal, TypedDict
 
-from .pages_left import Curve, Surface
+from .pages_left import Curve, Disagreement, Limitation, Surface
 from .pages_next import Experiment
 from .pages_said import Advice, Along, Part
 
@@ -261,8 +261,8 @@ class Session(TypedDict):
     ladder: list[LadderStep]
     candidates: Candidates
     warnings: list[str]
-    limitations: list[list[Part]]
-    disagreements: list[list[Part]]
+    limitations: list[Limitation]
+    disagreements: list[Disagreement]
     titles: dict[str, str]
     absent: list[Effect]
     untold: list[list[str]]

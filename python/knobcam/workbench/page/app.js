@@ -592,7 +592,6 @@ function band(modelled, half) {
 function aboutOf({ unit, peak, captures, active }) {
   return { unit, peak, coordinate: captures.find(({ id }) => active.includes(id))?.coordinate ?? "rotary" };
 }
-var NOTHING = 1e-4;
 var DIRECTIONS = /* @__PURE__ */ new Map([[1, " forward"], [-1, " backward"]]);
 var AGAIN = "open the file once more and";
 var WAYS = {
@@ -633,10 +632,10 @@ function measured({ value, unit, text }, about2) {
   const shown2 = scale.factor === 1 ? text.replaceAll("-", "−") : number(value * scale.factor);
   return `${shown2} ${unbroken(scale.unit)}`;
 }
-function stretch({ low, high, unit, direction, words: words4 }, about2) {
+function stretch({ ends: ends2, unit, direction, words: words4 }, about2) {
   if (words4) return words4;
   const scale = scaleOf(unit, about2);
-  const [from, to] = [low, high].map((end) => number(Math.abs(end) > NOTHING * (high - low) ? end * scale.factor : 0, 4));
+  const [from, to] = ends2.map((end) => number(end * scale.factor, 4));
   return `${from} to ${to} ${unbroken(scale.unit)}${DIRECTIONS.get(direction) ?? ""}`;
 }
 function unbroken(unit) {
@@ -731,8 +730,8 @@ function showFindings(place4, { captures, active, limitations, disagreements, no
   });
   found2.push(...[...every.values()].map((one) => finding(one, all, about2, deeds)));
   const openOnes = new Set([...place4.querySelectorAll("details[data-at][open]")].map((one) => one.getAttribute("data-at")));
-  const missing = limitations.map((said) => make("li", { class: "soft" }, "Cannot be told: ", ...nodes(said, about2), ...sharpening(said, about2, deeds.sharpen)));
-  const apartFrom = disagreements.map((said, at) => disagreement(said, about2, at, openOnes.has(String(at))));
+  const missing = limitations.map(({ said, sharpen }) => make("li", { class: "soft" }, "Cannot be told: ", ...nodes(said, about2), ...sharpening(sharpen, deeds.sharpen)));
+  const apartFrom = disagreements.map((one, at) => disagreement(one, about2, at, openOnes.has(String(at))));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
   const open = place4.querySelector("details:not([data-at])")?.hasAttribute("open") ?? false;
   const own = found2.length > FEW2 ? [folded(found2, told, open)] : found2;
@@ -740,15 +739,13 @@ function showFindings(place4, { captures, active, limitations, disagreements, no
   const again = focused && place4.querySelector(`[data-finding="${CSS.escape(focused)}"]`);
   if (again instanceof HTMLElement) again.focus();
 }
-function sharpening(said, about2, sharpen) {
-  const last = said.findLast((part) => typeof part === "object" && "param" in part);
-  if (!last || typeof last === "string" || !("param" in last)) return [];
-  const title = `the motion that makes it known best: ${sentence([last], about2)}`;
-  return [". ", make("button", { type: "button", text: "Design that motion…", title, on: { click: () => sharpen(last.param) } })];
+function sharpening(param, sharpen) {
+  if (param === null) return [];
+  const title = `the motion that makes it known best: ${paramOf(param)}`;
+  return [". ", make("button", { type: "button", text: "Design that motion…", title, on: { click: () => sharpen(param) } })];
 }
-function disagreement(said, about2, at, open) {
-  const of = said.filter((part) => typeof part === "object" && "param" in part);
-  const summary = make("summary", { class: "doubt" }, "⚠ The captures disagree", ...of.length > 0 ? [": ", ...nodes(of.slice(0, 1), about2)] : []);
+function disagreement({ param, said }, about2, at, open) {
+  const summary = make("summary", { class: "doubt" }, "⚠ The captures disagree: ", named(paramOf(param), param));
   return make("li", {}, make("details", { open, "data-at": String(at) }, summary, make("p", { class: "doubt" }, ...nodes(said, about2), ".")));
 }
 function alikeInAll([first, ...others]) {
@@ -1114,7 +1111,7 @@ function showUntold(place4, { untold, needless }, apart2, drop) {
 }
 
 // src/candidates.js
-var NOTHING2 = "No effect that was weighed explains enough of what is left.";
+var NOTHING = "No effect that was weighed explains enough of what is left.";
 var NO_MORE = "Nothing that was weighed is still missing.";
 var NAMED = 0.01;
 var ALONE = "Weighed one at a time; Find everything weighs sets too, from the first model on, and may end elsewhere.";
@@ -1162,7 +1159,7 @@ var Candidates = class {
       ...candidates.ready ? [] : [make("p", { class: "soft" }, job ? `${sentence(job.what, about2)} …` : ask2)],
       candidates.ready && !searched && could.length > 0 ? make("p", { class: "soft alone", text: ALONE }) : "",
       ...candidates.ready && this.items.length === 0 ? [make("p", { class: "well", text: "Nothing is left to be weighed." })] : [],
-      candidates.ready && could.length === 0 && this.items.length > 0 ? make("p", { class: "soft", text: candidates.unexplained ? NOTHING2 : NO_MORE }) : "",
+      candidates.ready && could.length === 0 && this.items.length > 0 ? make("p", { class: "soft", text: candidates.unexplained ? NOTHING : NO_MORE }) : "",
       make("ul", { "aria-label": "candidates", class: "candidates" }, ...this.items.slice(0, could.length)),
       out.length > 0 ? folded2(out, `${out.length} ruled out by values that none can have: ${outWords(ruledOut)}`) : "",
       others.length > 0 ? folded2(others, `${restWords(others.length, this.items.length)}: no better than chance, or too little to matter`) : "",
@@ -2182,7 +2179,7 @@ function standingWords({ wrong, found: found2, hidden, solved, given_up }) {
 }
 
 // src/job.js
-var NOTHING3 = { unit: "N m", peak: 0, coordinate: "rotary" };
+var NOTHING2 = { unit: "N m", peak: 0, coordinate: "rotary" };
 function jobButtons(ask2, say) {
   byId("cancel").addEventListener("click", async () => {
     const answer = await ask2("cancel");
@@ -2197,7 +2194,7 @@ function showJob(job, about2) {
   byId("job").hidden = job === null;
   clearInterval(clock);
   if (!job) return;
-  byId("job-what").textContent = sentence(job.what, about2 ?? NOTHING3);
+  byId("job-what").textContent = sentence(job.what, about2 ?? NOTHING2);
   byId("enough").hidden = !job.stops;
   const bar2 = (
     /** @type {HTMLProgressElement} */
