@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 from brake import braked_knob
+from measurements import SHARED, real
 from small import COUPLINGS
 from test_left_out import touched
 from views import as_kept
@@ -262,3 +263,18 @@ def test_a_stretch_that_is_brushed_is_left_out_and_the_next_capture_has_a_scale_
     other = kc.simulate("knob5", "sweep", duration_s=4.0, rate_hz=1000.0, seed=3).save(tmp_path / "other.npz")
     with workbench(touched(tmp_path)) as address:
         script("leaving.js", address, other, pictures)
+
+
+def test_what_captures_cannot_tell_leads_to_a_motion_and_on_what_they_disagree_is_told_who_asks() -> None:
+    servo = sorted(real(SHARED / "bam_xl330").glob("*.json"))
+    with (
+        workbench(real(SHARED / "dfki_pendulum" / "pd_system_identification.csv")) as pendulum,
+        workbench(*servo) as logs,
+    ):
+        seen = script("untold.js", pendulum, logs)
+    assert [one for one in seen["sharpen"] if one] == ["unbalance.a"]
+    assert "unbalance" in seen["title"] and {"param": "unbalance.a"} in seen["promises"]
+    assert "unbalance" in seen["headline"] and "_" not in seen["headline"]
+    assert seen["line"].startswith("⚠ The captures disagree: ") and seen["line"].count("\n") == 0
+    assert "standard errors apart" in seen["whole"] and "standard errors" not in seen["line"]
+    assert seen["params"] and "." not in seen["line"]

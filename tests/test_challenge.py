@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from typing import Any
 
 import httpx
@@ -63,7 +64,7 @@ def test_hints_wrong_effects_and_the_list_cost_and_what_is_hidden_alone_solves_i
     assert one["hides"] and "spring" not in one["name"]
     assert standing(client) == {
         **{"hints": [], "more": True, "wrong": [], "found": 0, "hidden": 1},
-        **{"solved": False, "given_up": False, "graded": True, "sealed": True, "score": 100},
+        **{"solved": False, "given_up": False, "graded": True, "level": "easy", "sealed": True, "score": 100},
     }
     client.post("/api/hint", json={"capture": one["id"]})
     told = standing(client)
@@ -83,6 +84,18 @@ def test_hints_wrong_effects_and_the_list_cost_and_what_is_hidden_alone_solves_i
     assert (len(told["hints"]), told["more"], told["score"]) == (3, False, 5)
     wrong(client.post("/api/simulate", json={"level": "x"}), 400, "choose easy")
     wrong(client.get("/api/challenge", params={"capture": "c99"}), 400, "hides nothing")
+
+
+def test_no_hint_of_two_hidden_effects_says_again_what_another_has_said() -> None:
+    for _, hidden, _ in challenge.levels()["hard"]:
+        hints = challenge._hints(hidden)
+        assert len(hints) == 3
+        told = [one for hint in hints for one in re.split(r"(?<=\.) (?=Another: )", hint)]
+        plain = [one.removeprefix("One: ").removeprefix("Another: ") for one in told]
+        assert len({*plain}) == len(plain)
+    both = challenge._hints(("stribeck", "quadratic_drag"))
+    assert both[0] == "Of each of them: It is in the knob, or in what the knob drives. It is friction."
+    assert both[1].startswith("One: It shows ") and " Another: It shows at high speed." in both[1]
 
 
 def test_a_surprise_that_is_no_challenge_hides_no_list(client: httpx.Client) -> None:

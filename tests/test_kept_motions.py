@@ -34,7 +34,9 @@ def test_of_what_motions_cannot_tell() -> None:
     for count in (700, 2500):
         for name, waves in MOTIONS.items():
             fit = kc.fit(recorded(23, detents, count=count, waves=waves), detents="no")
-            told.put(f"{name} {count}", [list(one) for one in limitations(fit)])
+            told.put(
+                f"{name} {count}", [[part for part in one if part is not None] for one in limitations(fit)]
+            )
             told.put("  doubts", list(fit.warnings))
     hum = recorded(24, lambda t, theta, *_: rises(t, theta, *_) + 2e-3 * np.sin(50.0 * 2.0 * np.pi * t))
     comparison = kc.fit(hum).compare()

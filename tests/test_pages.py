@@ -57,7 +57,10 @@ def test_what_is_left_unexplained_is_told_as_the_schema_says(story: kc.LearningR
     told.check(json.loads(as_json(left)), pages.Candidates)
 
 
-STATE = {"id": "j1", "what": ["waiting"], "done": None, "recording": False}
+STATE = {
+    **{"id": "j1", "what": ["waiting"], "done": None, "recording": False},
+    **{"takes_s": None, "seconds": 0.5, "stops": False},
+}
 
 
 @pytest.mark.parametrize(

@@ -55,6 +55,11 @@ def test_a_stretch_that_has_words_is_told_by_them_and_one_that_was_kept_before_i
     assert (
         str(near) == "0 to 0.4 rad forward" and str(near._replace(low=-4e-4)) == "-0.0004 to 0.4 rad forward"
     )
+    (told,) = Said(near).document()
+    assert isinstance(told, dict) and (told["low"], told["ends"]) == (
+        -5.049e-8,
+        [0.0, 0.4],
+    )  # samples are chosen by the one
     line = Said(Stretch("frequency", 10.0, 20.0, "Hz", 0, "a line at 15.0 Hz"))
     assert line == "a line at 15.0 Hz" == Said.of(line.document())
     check(line.document(), list[Part])

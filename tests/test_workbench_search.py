@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import runpy
 from dataclasses import replace
 from pathlib import Path
@@ -20,9 +21,9 @@ from knobcam.errors import InputError
 from knobcam.fit.diagnose import diagnose
 from knobcam.learn import LearningResult
 from knobcam.learn.ladder import LearningStep, Unexplained
-from knobcam.workbench import adding, ended, kept, saving, state
+from knobcam.workbench import adding, ended, kept, pace, saving, state
 from knobcam.workbench.bench import Bench
-from knobcam.workbench.jobs import Cancelled
+from knobcam.workbench.jobs import Cancelled, Job
 from knobcam.workbench.journal import Journal
 from knobcam.workbench.session import Session
 from knobcam.workbench.tell import quiet
@@ -80,6 +81,63 @@ def test_what_came_in_by_hand_is_not_what_a_search_begins_with_and_is_there_to_g
     assert session.node.fit.model.text() == story.model.text()
     with pytest.raises(InputError, match="in the model already"):
         session.search()
+
+
+def test_a_search_that_is_ended_keeps_what_had_come_in_and_is_no_verdict(
+    motor: kc.Capture, tmp_path: Path, capsys
+) -> None:
+    path = motor.save(tmp_path / "motor.npz")
+    first = Bench(kept_in=tmp_path / "sessions")
+    session = first.session
+    session.open(str(path))
+    told: list[str] = []
+
+    def tell(what: str, _: float | None = None, *, last: bool = False) -> None:
+        told.append(what)
+
+    words = session.search(tell, lambda: any(one.startswith("adding") for one in told))
+    came = [one.effect for one in session.branch.steps if one.effect]
+    assert len(came) == 1 and session.node.fit.rmse < session.branch.steps[0].fit.rmse
+    assert re.fullmatch(rf"the search was ended after \d+ s; by then it had found: {came[0]}", words)
+    page = document(session)
+    assert not page["searched"] and page["concluded"] == []
+    script = saving.save(session, "script", tmp_path / "session.py", quiet)
+    assert runpy.run_path(str(script))["fit"].rmse == pytest.approx(session.node.fit.rmse, rel=1e-6)
+    assert "kc.learn(" not in script.read_text()
+    before = session.node.fit.model.effects
+    first.close()
+    second = Bench(kept_in=tmp_path / "sessions")
+    try:
+        second.go_on("000001", quiet)
+        assert second.session.node.fit.model.effects == before and second.session.node.cut
+        assert second.session.search() == ""  # nothing is said of one that comes to its end
+        assert document(second.session)["searched"]
+    finally:
+        second.close()
+
+
+def test_a_search_says_how_long_it_takes_once_it_has_weighed_and_its_bar_never_goes_back(
+    motor: kc.Capture,
+) -> None:
+    session, seen = Session(), []
+    session.take(motor, "motor")
+    job = Job(
+        "finding everything", lambda _: None, told=lambda job: seen.append((job.what, job.takes_s, job.done))
+    )
+    with pace.clocked(job, pace.Weighings(job.what)) as tell:
+        session.search(tell)
+    stages = [*dict.fromkeys(str(what) for what, _, _ in seen)]
+    assert stages[0] == "finding everything" or stages[0].startswith("fitting")
+    known = [takes for _, takes, _ in seen if takes is not None]
+    assert len({*known}) == 1 and 0.0 < known[0][0] < known[0][1]
+    done = [one for _, _, one in seen if one is not None]
+    assert done == sorted(done) and done[0] > 0.0 and done[-1] < 1.0
+    before = [done for what, takes, done in seen if takes is None]
+    assert set(before) == {None}  # and until it has weighed it promises nothing
+
+
+def test_only_a_search_can_be_ended(client: httpx.Client) -> None:
+    assert client.post("/api/enough", json={}).json()["cancelled"] is False
 
 
 def test_what_a_search_found_is_in_the_script_of_the_session(

@@ -54,6 +54,8 @@ def typedef(shape: Any) -> str:
     whole = f"@typedef {{{{{', '.join(fields)}}}}} {shape.__name__}"
     law = textwrap.wrap(whole, WIDTH, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
     said = textwrap.dedent(f"    {shape.__doc__}").strip().splitlines()
+    if len(short := " ".join([*said, *law]).replace(FAST, " ")) <= WIDTH - 5:
+        return f"/** {short} */"
     return "\n".join(["/**", *(f" * {line}".rstrip().replace(FAST, " ") for line in said + law), " */"])
 
 

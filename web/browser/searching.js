@@ -24,11 +24,20 @@ const before = await ladder();
 await find.click();
 await page.locator("#job-what", { hasText: /^(fitting|weighing|adding)/ }).waitFor();
 assert.doesNotMatch(await page.locator("#job-what").textContent(), /_/, "no ids");
+const stop = page.getByRole("button", { name: "Stop here" });
+assert.ok(await stop.isVisible(), "it can be ended with what it has");
 await page.getByRole("button", { name: "Cancel" }).click();
 await page.locator("#said", { hasText: "cancelled; nothing was changed" }).waitFor();
 assert.deepEqual(await ladder(), before);
 
+// Ended before anything came in it says so, and can be begun again.
+await find.click();
+await stop.click();
+await page.locator("#said", { hasText: /^the search was ended after \d+\u00a0s; nothing had come in yet$/ }).waitFor();
+assert.deepEqual(await ladder(), before);
+
 await page.locator("#verdict .leads", { hasText: "find everything" }).waitFor();
+assert.ok(await stop.isHidden(), "of what is weighed in the background there is nothing to keep");
 await alone.waitFor(); // whoever goes step by step is told that the search may end elsewhere
 await page.locator("#verdict .leads", { hasText: "find everything" }).evaluate((lead) => lead.click());
 await done(page, "search", () => page.locator("aside").evaluate((aside) => aside.scrollTo(0, aside.scrollHeight)));
@@ -53,6 +62,15 @@ await page.locator("#new-form button[type=submit]").click();
 await page.locator("#hides:visible").waitFor();
 await page.waitForFunction(() => document.body.classList.contains("sealed"));
 const sealed = await find.isHidden();
+const another = page.getByRole("button", { name: "Another challenge" });
+assert.ok(await another.isHidden(), "who has not found it is not led away from it");
+const { id } = (await stateOf(page)).captures.at(-1);
+await page.getByRole("button", { name: "What was hidden?" }).click();
+await another.click();
+await page.waitForFunction((before) => globalThis.knobcam.app.state.captures.at(-1).id !== before, id);
+await page.waitForFunction(() => document.body.classList.contains("sealed"));
+assert.match(await page.locator("#challenge-score").textContent(), /^100 points$/);
+assert.ok(await another.isHidden());
 assert.deepEqual(complaints.filter((one) => !/400|cancelled/.test(one)), []);
 await browser.close();
 console.log(JSON.stringify({ before, found, said, back, sealed }));

@@ -9,7 +9,7 @@ import { AnyEffect, about } from "./effects.js";
 import { ofLimits } from "./evidence.js";
 import { opening, saving } from "./files.js";
 import { showHidden, unhiding } from "./hidden.js";
-import { showJob } from "./job.js";
+import { jobButtons, showJob } from "./job.js";
 import { keys } from "./keys.js";
 import { showLadder } from "./ladder.js";
 import { latest } from "./latest.js";
@@ -27,7 +27,7 @@ import { Overlay } from "./overlay.js";
 import { Params } from "./params.js";
 import { preparing, sources } from "./sources.js";
 import { Store } from "./store.js";
-import { aboutOf } from "./said.js";
+import { aboutOf, sentence } from "./said.js";
 import { themed } from "./theme.js";
 import { timed, times } from "./timing.js";
 import { showVerdict } from "./verdict.js";
@@ -118,7 +118,7 @@ class App {
     };
     this.askOf = opening(heard);
     saving(heard);
-    unhiding(heard.failed);
+    unhiding(heard);
     this.live = new Live({ ...heard, open: (path) => this.ask("open", { path }, "data") });
     sources({
       ...{ made: heard.done, say: heard.say, recording: () => this.live?.follow() },
@@ -147,10 +147,7 @@ class App {
     for (const verb of ["undo", "redo", "snap", "search"]) {
       byId(verb).addEventListener("click", () => this.ask(verb, {}, verb));
     }
-    byId("cancel").addEventListener("click", async () => {
-      const answer = await this.ask("cancel");
-      if (answer?.cancelled === false) this.say("too late to cancel: it is done");
-    });
+    jobButtons((verb) => this.ask(verb), (words) => this.say(words));
     byId("new-branch").addEventListener("click", () => this.ask("branch"));
     byId("clear").addEventListener("click", () => this.linked.clear());
     byId("closer").addEventListener("click", () => this.linked.lookCloser());
@@ -201,7 +198,7 @@ class App {
     if (deed) this.deed = { what: deed, start: performance.now() };
     try {
       const answer = await post(verb, body);
-      this.say("");
+      this.say(answer.cut && this.state ? sentence(answer.cut, aboutOf(this.state)) : "");
       if (verb === "search") shown(byId("verdict")); // what was found is said there, however far down it was asked for
       // While the state is on its way; of what was read just now no page knows the captures yet.
       if (answer.node && this.state?.node && deed !== "data") this.expect(answer.node, capturesOf(answer.node, this.state));

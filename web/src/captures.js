@@ -2,6 +2,7 @@
 
 import { ask } from "./api.js";
 import { make } from "./dom.js";
+import { named, paramOf } from "./names.js";
 import { thousands } from "./numbers.js";
 import { aboutOf, adviceOf, nodes, sentence } from "./said.js";
 
@@ -128,8 +129,8 @@ export function showFindings(place, { captures, active, limitations, disagreemen
   });
   found.push(...[...every.values()].map((one) => finding(one, all, about, deeds)));
   const openOnes = new Set([...place.querySelectorAll("details[data-at][open]")].map((one) => one.getAttribute("data-at")));
-  const missing = limitations.map((said) => make("li", { class: "soft" }, "Cannot be told: ", ...nodes(said, about), ...sharpening(said, about, deeds.sharpen)));
-  const apartFrom = disagreements.map((said, at) => disagreement(said, about, at, openOnes.has(String(at))));
+  const missing = limitations.map(({ said, sharpen }) => make("li", { class: "soft" }, "Cannot be told: ", ...nodes(said, about), ...sharpening(sharpen, deeds.sharpen)));
+  const apartFrom = disagreements.map((one, at) => disagreement(one, about, at, openOnes.has(String(at))));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
   const open = place.querySelector("details:not([data-at])")?.hasAttribute("open") ?? false;
   const own = found.length > FEW ? [folded(found, told, open)] : found;
@@ -139,30 +140,26 @@ export function showFindings(place, { captures, active, limitations, disagreemen
 }
 
 /**
- * The button that designs the motion which tells parameters that are known together alone: of an inertia and what pulls
- * the one named last is told by slow moves, and with it the other.
- * @param {Finding["said"]} said
- * @param {About} about
+ * The button that designs the motion which tells a parameter that is known together with another alone.
+ * @param {string | null} param
  * @param {(param: string) => void} sharpen
  */
-function sharpening(said, about, sharpen) {
-  const last = said.findLast((part) => typeof part === "object" && "param" in part);
-  if (!last || typeof last === "string" || !("param" in last)) return [];
-  const title = `the motion that makes it known best: ${sentence([last], about)}`;
-  return [". ", make("button", { type: "button", text: "Design that motion…", title, on: { click: () => sharpen(last.param) } })];
+function sharpening(param, sharpen) {
+  if (param === null) return [];
+  const title = `the motion that makes it known best: ${paramOf(param)}`;
+  return [". ", make("button", { type: "button", text: "Design that motion…", title, on: { click: () => sharpen(param) } })];
 }
 
 /**
  * That captures ask for different values of a parameter, and by how much for who asks: it is long, and what could be
  * missing, of which it mostly comes, stands on the screen too.
- * @param {Finding["said"]} said
+ * @param {import("./types.js").Disagreement} disagreement
  * @param {About} about
  * @param {number} at
  * @param {boolean} open
  */
-function disagreement(said, about, at, open) {
-  const of = said.filter((part) => typeof part === "object" && "param" in part);
-  const summary = make("summary", { class: "doubt" }, "⚠ The captures disagree", ...(of.length > 0 ? [": ", ...nodes(of.slice(0, 1), about)] : []));
+function disagreement({ param, said }, about, at, open) {
+  const summary = make("summary", { class: "doubt" }, "⚠ The captures disagree: ", named(paramOf(param), param));
   return make("li", {}, make("details", { open, "data-at": String(at) }, summary, make("p", { class: "doubt" }, ...nodes(said, about), ".")));
 }
 

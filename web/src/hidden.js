@@ -9,9 +9,10 @@ import { titleOf } from "./names.js";
 /** @type {string[]} captures that hide something */
 let hiding = [];
 let asked = 0;
+let level = ""; // of the challenge that is shown
 
-/** @param {(reason: unknown) => void} failed */
-export function unhiding(failed) {
+/** @param {{failed: (reason: unknown) => void, done: () => void}} heard */
+export function unhiding({ failed, done }) {
   byId("unhide").addEventListener("click", async () => {
     try {
       const told = await Promise.all(hiding.map((capture) => post("hidden", { capture })));
@@ -23,6 +24,7 @@ export function unhiding(failed) {
   const hint = (/** @type {boolean} */ whole) => post("hint", { capture: hiding[0], whole }).catch(failed);
   byId("hint").addEventListener("click", () => hint(false));
   byId("unseal").addEventListener("click", () => hint(true));
+  byId("next-challenge").addEventListener("click", () => post("simulate", { level }).then(done, failed));
 }
 
 /** @param {State} state */
@@ -42,15 +44,19 @@ export async function showHidden({ captures, active }) {
 }
 
 /** @param {import("./types.js").Challenge} challenge */
-function showStanding({ hints, more, wrong, found, hidden, solved, given_up, graded, sealed, score }) {
+function showStanding({ hints, more, wrong, found, hidden, solved, given_up, graded, level: of, sealed, score }) {
+  const over = solved || given_up;
+  level = of;
   document.body.classList.toggle("sealed", sealed);
   byId("unseal").hidden = !sealed;
   byId("challenge-said").classList.toggle("well", solved && !given_up);
   byId("challenge-score").textContent = graded ? `${score} points` : "";
   byId("challenge-said").textContent = graded ? standingWords({ wrong, found, hidden, solved, given_up }) : surpriseWords({ found, hidden, solved });
-  byId("hint").hidden = !graded;
+  byId("hint").hidden = !graded || over;
+  byId("unhide").hidden = graded && solved && !given_up; // it stands in the model
+  byId("next-challenge").hidden = !graded || !over;
   byId("challenge-hints").replaceChildren(...hints.map((text) => make("li", { text })));
-  /** @type {HTMLButtonElement} */ (byId("hint")).disabled = !more || solved || given_up;
+  /** @type {HTMLButtonElement} */ (byId("hint")).disabled = !more;
 }
 
 /**

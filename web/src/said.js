@@ -17,7 +17,6 @@ export function aboutOf({ unit, peak, captures, active }) {
   return { unit, peak, coordinate: captures.find(({ id }) => active.includes(id))?.coordinate ?? "rotary" };
 }
 
-const NOTHING = 1e-4; // of the width of a stretch: an end as near to zero is zero
 const DIRECTIONS = new Map([[1, " forward"], [-1, " backward"]]);
 const AGAIN = "open the file once more and";
 /** What advice comes to here, where there are buttons. @type {Record<string, string>} */
@@ -83,10 +82,10 @@ function measured({ value, unit, text }, about) {
 }
 
 /** @param {Stretch} part @param {About} about */
-function stretch({ low, high, unit, direction, words }, about) {
+function stretch({ ends, unit, direction, words }, about) {
   if (words) return words;
   const scale = scaleOf(unit, about);
-  const [from, to] = [low, high].map((end) => number(Math.abs(end) > NOTHING * (high - low) ? end * scale.factor : 0, 4));
+  const [from, to] = ends.map((end) => number(end * scale.factor, 4));
   return `${from} to ${to}\u00a0${unbroken(scale.unit)}${DIRECTIONS.get(direction) ?? ""}`;
 }
 

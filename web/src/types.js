@@ -2,46 +2,42 @@
  * What the server and the reports tell. Made by `python3 dev.py page` of pages*.py in python/knobcam/base.
  */
 
-/**
- * A number with its unit, and as text has it.
- * @typedef {{value: number, unit: string, text: string}} Quantity
- */
+/** A number with its unit, and as text has it. @typedef {{value: number, unit: string, text: string}} Quantity */
 
 /**
  * A stretch of an axis, where the knob moves forward (1), backward (-1) or both (0); `words` for it.
+ *
+ * `ends` are low and high as they are written: as near to zero as nothing beside the other is zero.
  * @typedef {{axis: "position" | "velocity" | "acceleration" | "load" | "history" | "time" | "frequency",
- *   low: number, high: number, unit: string, direction: number, words: string}} Stretch
+ *   low: number, high: number, ends: [number, number], unit: string, direction: number, words: string}} Stretch
  */
 
-/**
- * The axis that something lies along.
- * @typedef {{along: string}} OfAxis
- */
+/** The axis that something lies along. @typedef {{along: string}} OfAxis */
 
-/**
- * An effect, by its id.
- * @typedef {{effect: string}} OfEffect
- */
+/** An effect, by its id. @typedef {{effect: string}} OfEffect */
 
-/**
- * A parameter, by its name.
- * @typedef {{param: string}} OfParam
- */
+/** A parameter, by its name. @typedef {{param: string}} OfParam */
 
-/**
- * A column of a capture, by its name.
- * @typedef {{column: string}} OfColumn
- */
+/** A column of a capture, by its name. @typedef {{column: string}} OfColumn */
 
-/**
- * Words with more to know behind them.
- * @typedef {{words: string, topic: "error" | "findings"}} Topic
- */
+/** Words with more to know behind them. @typedef {{words: string, topic: "error" | "findings"}} Topic */
 
 /**
  * What to do, in words of the command line, and the `way` of it.
  * @typedef {{advice: string, way: "" | "columns" | "unit" | "minus" | "unwrap" | "parts" | "drive" | "command"}}
  *   Advice
+ */
+
+/**
+ * What captures cannot tell; `sharpen` is the parameter, if one, that a motion of its own tells.
+ * @typedef {{said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
+ *   sharpen: string | null}} Limitation
+ */
+
+/**
+ * A parameter on which captures disagree, and by how much.
+ * @typedef {{param: string,
+ *   said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[]}} Disagreement
  */
 
 /**
@@ -60,10 +56,7 @@
  *   laws: (((number | null)[])[] | null)[]}} Surface
  */
 
-/**
- * A limit, and how wide it would have to be.
- * @typedef {{limit: string, to: number}} Enough
- */
+/** A limit, and how wide it would have to be. @typedef {{limit: string, to: number}} Enough */
 
 /**
  * Two rivals: D that a motion promises, that of the best standard one, and what came (null: not yet).
@@ -193,10 +186,14 @@
  */
 
 /**
- * What is being done; `done` from 0 to 1, null while nobody can tell.
+ * What is being done, for how many `seconds`; `done` from 0 to 1, null while nobody can tell.
+ *
+ * `takes_s`: from how many seconds to how many it usually takes, where that is known. One that `stops` can
+ * be ended with what it has found by then.
  * @typedef {{id: string,
  *   what: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
- *   done: number | null, recording: boolean}} Job
+ *   done: number | null, takes_s: [number, number] | null, seconds: number, stops: boolean, recording: boolean}}
+ *   Job
  */
 
 /**
@@ -208,10 +205,7 @@
  *   low: number[], high: number[], direction: number[], mean: number[], band: (number | null)[]}} Split
  */
 
-/**
- * The answer of `GET /api/splits`: the error of a fit along every axis.
- * @typedef {{splits: Split[]}} Splits
- */
+/** The answer of `GET /api/splits`: the error of a fit along every axis. @typedef {{splits: Split[]}} Splits */
 
 /**
  * What a session has; before the first capture there is no node, `proposed` is null until it is asked.
@@ -228,9 +222,8 @@
  *   sets: boolean, searched: boolean,
  *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   record: string | null, carried: Carried[], ladder: LadderStep[], candidates: Candidates, warnings: string[],
- *   limitations: ((string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[])[],
- *   disagreements: ((string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[])[],
- *   titles: Record<string, string>, absent: Effect[], untold: string[][], proposed: Law[] | null,
+ *   limitations: Limitation[], disagreements: Disagreement[], titles: Record<string, string>, absent: Effect[],
+ *   untold: string[][], proposed: Law[] | null,
  *   proposed_said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   curve: Curve | null, surface: Surface | null, limits: Record<string, number> | null,
  *   experiment: Experiment | null, needless: string[], shown_along: string | null}} Session
@@ -268,9 +261,8 @@
  *   sets: boolean, searched: boolean,
  *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   record: string | null, carried: Carried[], ladder: LadderStep[], candidates: Candidates, warnings: string[],
- *   limitations: ((string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[])[],
- *   disagreements: ((string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[])[],
- *   titles: Record<string, string>, absent: Effect[], untold: string[][], proposed: Law[] | null,
+ *   limitations: Limitation[], disagreements: Disagreement[], titles: Record<string, string>, absent: Effect[],
+ *   untold: string[][], proposed: Law[] | null,
  *   proposed_said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   curve: Curve | null, surface: Surface | null, limits: Record<string, number> | null,
  *   experiment: Experiment | null, needless: string[], shown_along: string | null, job: Job | null,
@@ -280,13 +272,15 @@
 /**
  * What an answer may say besides the revision.
  * @typedef {{job?: string, path?: string, log?: string, share?: number, hidden?: string[], cancelled?: boolean,
- *   tried?: Law, unfinished?: string}} More
+ *   cut?: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[], tried?: Law,
+ *   unfinished?: string}} More
  */
 
 /**
  * What a request is answered that changes or asks something, and where the session is now.
  * @typedef {{job?: string, path?: string, log?: string, share?: number, hidden?: string[], cancelled?: boolean,
- *   tried?: Law, unfinished?: string, revision: number, node: string | null}} Answer
+ *   cut?: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[], tried?: Law,
+ *   unfinished?: string, revision: number, node: string | null}} Answer
  */
 
 /**
@@ -327,10 +321,7 @@
  * @typedef {{name: string, words: string, hideable: string[]}} Knob
  */
 
-/**
- * A serial port, and what is plugged in there.
- * @typedef {{port: string, words: string}} FoundPort
- */
+/** A serial port, and what is plugged in there. @typedef {{port: string, words: string}} FoundPort */
 
 /**
  * The answer of `GET /api/sources`: what captures can be made of; names with words for them.
@@ -387,9 +378,10 @@
  *
  * `more`: whether there is another hint; `wrong` effects were added and are not there; of the `hidden` ones
  * so many are `found`, and `solved` says that nothing else is in the model. While a challenge, which is
- * `graded`, is `sealed`, what the program thinks is not shown; `given_up`: it was told before it was found.
+ * `graded` and of a `level`, is `sealed`, what the program thinks is not shown; `given_up`: it was told
+ * before it was found.
  * @typedef {{hints: string[], more: boolean, wrong: string[], found: number, hidden: number, solved: boolean,
- *   given_up: boolean, graded: boolean, sealed: boolean, score: number}} Challenge
+ *   given_up: boolean, graded: boolean, level: string, sealed: boolean, score: number}} Challenge
  */
 
 /**

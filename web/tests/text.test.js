@@ -184,3 +184,10 @@ test("a fall has the digits that it has where it is told without its sign", () =
   for (const share of [0.088, 0.0973, 0.31, 0.002]) assert.equal(percent(-share), `−${percent(share)}`);
   assert.deepEqual([0, -0.0001, -0.097].map(percent), ["0\u00a0%", "0\u00a0%", "−9.7\u00a0%"]);
 });
+
+test("work that goes on says for how long, and how long it usually takes", async () => {
+  const { timeWords } = await import("../src/job.js");
+  assert.equal(timeWords(1.2, null), "");
+  assert.equal(timeWords(12.9, null), "12\u00a0s");
+  assert.equal(timeWords(3.1, [7.6, 28.5]), "3\u00a0s, usually 8 to 30\u00a0s");
+});

@@ -7,7 +7,7 @@ on a linear axis; all else in SI too.
 
 from typing import Literal, TypedDict
 
-from .pages_left import Curve, Surface
+from .pages_left import Curve, Disagreement, Limitation, Surface
 from .pages_next import Experiment
 from .pages_said import Advice, Along, Part
 
@@ -187,11 +187,18 @@ class Law(LadderStep):
 
 
 class Job(TypedDict):
-    """What is being done; `done` from 0 to 1, null while nobody can tell."""
+    """What is being done, for how many `seconds`; `done` from 0 to 1, null while nobody can tell.
+
+    `takes_s`: from how many seconds to how many it usually takes, where that is known. One that `stops` can
+    be ended with what it has found by then.
+    """
 
     id: str
     what: list[Part]
     done: float | None
+    takes_s: tuple[float, float] | None
+    seconds: float
+    stops: bool
     recording: bool
 
 
@@ -254,8 +261,8 @@ class Session(TypedDict):
     ladder: list[LadderStep]
     candidates: Candidates
     warnings: list[str]
-    limitations: list[list[Part]]
-    disagreements: list[list[Part]]
+    limitations: list[Limitation]
+    disagreements: list[Disagreement]
     titles: dict[str, str]
     absent: list[Effect]
     untold: list[list[str]]
@@ -325,6 +332,7 @@ class More(TypedDict, total=False):
     share: float
     hidden: list[str]
     cancelled: bool
+    cut: list[Part]
     tried: Law
     unfinished: str
 

@@ -1,9 +1,25 @@
-"""What no effect explains as it is drawn: over one variable, over two.
+"""What is left open: what captures do not tell, and what no effect explains, over one variable and over two.
 
 A part of the schema in `pages.py`, by the same rules.
 """
 
 from typing import TypedDict
+
+from .pages_said import Part
+
+
+class Limitation(TypedDict):
+    """What captures cannot tell; `sharpen` is the parameter, if one, that a motion of its own tells."""
+
+    said: list[Part]
+    sharpen: str | None
+
+
+class Disagreement(TypedDict):
+    """A parameter on which captures disagree, and by how much."""
+
+    param: str
+    said: list[Part]
 
 
 class Curve(TypedDict):

@@ -26,11 +26,15 @@ class Quantity(TypedDict):
 
 
 class Stretch(TypedDict):
-    """A stretch of an axis, where the knob moves forward (1), backward (-1) or both (0); `words` for it."""
+    """A stretch of an axis, where the knob moves forward (1), backward (-1) or both (0); `words` for it.
+
+    `ends` are low and high as they are written: as near to zero as nothing beside the other is zero.
+    """
 
     axis: Along
     low: float
     high: float
+    ends: tuple[float, float]
     unit: str
     direction: int
     words: str

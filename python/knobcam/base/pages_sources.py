@@ -113,7 +113,8 @@ class Challenge(TypedDict):
 
     `more`: whether there is another hint; `wrong` effects were added and are not there; of the `hidden` ones
     so many are `found`, and `solved` says that nothing else is in the model. While a challenge, which is
-    `graded`, is `sealed`, what the program thinks is not shown; `given_up`: it was told before it was found.
+    `graded` and of a `level`, is `sealed`, what the program thinks is not shown; `given_up`: it was told
+    before it was found.
     """
 
     hints: list[str]
@@ -124,6 +125,7 @@ class Challenge(TypedDict):
     solved: bool
     given_up: bool
     graded: bool
+    level: str
     sealed: bool
     score: int
 

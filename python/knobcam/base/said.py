@@ -35,8 +35,14 @@ class Stretch(NamedTuple):
     direction: int
     words: str = ""
 
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Where it begins and ends as that is written."""
+        near = _NOTHING * (self.high - self.low)
+        return (0.0 if abs(self.low) <= near else self.low, 0.0 if abs(self.high) <= near else self.high)
+
     def __str__(self) -> str:
-        low, high = (one if abs(one) > _NOTHING * (self.high - self.low) else 0.0 for one in self[1:3])
+        low, high = self.ends
         return self.words or f"{low:.4g} to {high:.4g} {self.unit}{_DIRECTIONS[self.direction]}"
 
 
@@ -128,7 +134,7 @@ class Said(str):
 
     def document(self) -> list[pages.Part]:
         """Return its parts as JSON has them."""
-        return [one if isinstance(one, str) else cast("pages.Part", one._asdict()) for one in self.parts]
+        return [one if isinstance(one, str) else _document(one) for one in self.parts]
 
     @classmethod
     def of(cls, document: Iterable[str | Mapping[str, Any]]) -> Said:
@@ -136,7 +142,13 @@ class Said(str):
         return cls(*(one if isinstance(one, str) else _piece(one) for one in document))
 
 
-def _piece(told: Mapping[str, Any]) -> Piece:
+def _document(piece: NamedTuple) -> pages.Part:
+    ends = {"ends": [*piece.ends]} if isinstance(piece, Stretch) else {}
+    return cast("pages.Part", piece._asdict() | ends)
+
+
+def _piece(document: Mapping[str, Any]) -> Piece:
+    told = {name: one for name, one in document.items() if name != "ends"}  # which follows from the others
     for kind in _KINDS:
         if {*kind._fields} - {*kind._field_defaults} <= told.keys() <= {*kind._fields}:
             return kind(**told)

@@ -36,7 +36,7 @@ def main(count: int) -> None:
     # Elsewhere the system's own libraries do not bear a fork.
     context: Any = multiprocessing.get_context("fork" if sys.platform == "linux" else "spawn")
     most = system.MEMORY_LIMIT // count
-    gc.freeze()  # what is loaded stays: no worker need look for what of it is not used any more, again and again
+    gc.freeze()  # what is loaded stays: no worker need go through it for what is not used any more
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     crew = [_begun(context, address, most) for _ in range(count)]
     try:

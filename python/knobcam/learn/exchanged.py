@@ -83,18 +83,40 @@ def anew(
     found = _found(first, last)
     if len(found) < 2 or (after.complete and not follows(last)):
         return None
-    for effect in found if after.complete else found[:-1]:
+    # Where chance explains the rest, less is lower.
+    sure = functools.partial(_pays, last) if after.complete else functools.partial(_lowers, last)
+    lower = looked_anew(last, found if after.complete else found[:-1], progress, sure)
+    return None if lower is None else replace(lower[0], before=last.before)
+
+
+def looked_anew(
+    fit: Fit,
+    effects: Sequence[str],
+    progress: Callable[[float], object],
+    lower: Callable[[Fit], bool] | None = None,
+) -> tuple[Fit, str] | None:
+    """Return a fit with the first of these effects that ends lower, looked for anew beside the others.
+
+    And which that is; None where none does. `lower` says what ends lower, by default what leaves less error
+    but for little. What `progress` raises ends the work.
+    """
+    lower = lower or functools.partial(_lowers, fit)
+    for effect in effects:
         try:
-            again = add(last.drop(effect), effect, progress)
+            again = add(fit.drop(effect), effect, progress)
         except InputError:
             continue  # it does not go with the others
-        if after.complete:
-            lower = gain(last, again, last) > RULE.price
-        else:
-            lower = again.rmse < (1.0 - _LOWER) * last.rmse
-        if lower:
-            return replace(again, before=last.before)
+        if lower(again):
+            return again, effect
     return None
+
+
+def _lowers(fit: Fit, again: Fit) -> bool:
+    return again.rmse < (1.0 - _LOWER) * fit.rmse
+
+
+def _pays(fit: Fit, again: Fit) -> bool:
+    return gain(fit, again, fit) > RULE.price
 
 
 def straightened(diagnosis: Diagnosis, progress: Callable[[float], object]) -> list[LearningStep] | None:

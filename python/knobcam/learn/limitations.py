@@ -33,11 +33,16 @@ _SMALL_TURN_RAD = 0.5  # about the widest detent of the haptic-camera paper's kn
 
 
 class Limitation(NamedTuple):
-    """Something that captures do not show: its `kind`, what follows from it, and what to `record`."""
+    """Something that captures do not show: its `kind`, what follows from it, and what to `record`.
+
+    `sharpen` is the parameter, if it is one, that a motion for it alone would tell: of an inertia and what
+    pulls that is the latter, by slow moves, and with it the other.
+    """
 
     kind: str
     message: str
     record: str
+    sharpen: str | None = None
 
 
 def limitations(fit: Fit) -> tuple[Limitation, ...]:
@@ -197,6 +202,7 @@ def _one_rate(fit: Fit) -> Limitation | None:
                 ),
                 "record slow moves over the same way, in which the inertia has no part, or swings at another "
                 "rate",
+                pull,
             )
     return None
 

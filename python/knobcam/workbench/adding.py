@@ -4,20 +4,24 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ..base.said import OfEffect, said
+from ..base.said import OfEffect, Said, joined, number, said
 from ..errors import InputError
 from ..fit import refit
 from ..fit.fitting import as_logged
 from ..learn import LearningResult
-from ..learn.cut import Deadline
+from ..learn.cut import Deadline, OutOfTime
 from ..learn.earlier import retested
+from ..learn.exchanged import looked_anew
 from ..learn.search import Search
 from ..model.effects import base_effects_shown
 from .learned import in_vain, ladder, learned
 from .tree import Node
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from ..fit import Fit
+    from ..learn.ladder import LearningStep
     from ..learn.selection import Selection
     from .session import Session
     from .tell import Tell
@@ -44,9 +48,25 @@ def add(session: Session, effect: str, tell: Tell) -> None:
     else:
         richer = refit.add(node.fit, effect, lambda _: tell(doing))
     richer, gone = retested(richer, unasked(session, effect, richer))
+    richer, again = _beside(ladder(branch.done), richer, effect, lambda _: tell(doing))
+    evidence |= {"also_dropped": gone, "again": again}
     tell(said("putting {effect} in place", effect=OfEffect(effect)), last=True)
-    made = Node(session.new("n"), richer, node.captures, "added", effect, also_dropped=gone, **evidence)
+    made = Node(session.new("n"), richer, node.captures, "added", effect, **evidence)
     session.put([made], branch, node)
+
+
+def _beside(
+    steps: Sequence[LearningStep], fit: Fit, effect: str, progress: Callable[[float], object]
+) -> tuple[Fit, str | None]:
+    """Return a fit in which what came in before is what it is beside a new effect, and what was sought anew.
+
+    It was looked for in the error of both: friction that rises towards standstill, say, over the whole range
+    of speeds where a drag was missing, and from there no fit comes back.
+    """
+    came = [one.added for one in steps if one.added in fit.model.effects and one.added != effect]
+    if not came or fit.model.joint is not None or fit.compare().complete:
+        return fit, None
+    return looked_anew(fit, [one for one in came if one], progress) or (fit, None)
 
 
 def unasked(session: Session, effect: str, fit: Fit) -> list[str]:
@@ -82,9 +102,9 @@ def needless(session: Session, node: Node) -> list[str]:
 class _Heard(Deadline):
     """The time of a search that a person sees go on, and can end: how much of each stage is done is told."""
 
-    def __init__(self, tell: Tell) -> None:
+    def __init__(self, tell: Tell, enough: Callable[[], bool]) -> None:
         super().__init__(float("inf"))
-        self._tell, self._doing = tell, ""
+        self._tell, self._enough, self._doing = tell, enough, ""
 
     def say(self, doing: str) -> None:
         """Begin a stage."""
@@ -94,18 +114,21 @@ class _Heard(Deadline):
     def __call__(self, done: float | None = None) -> None:
         """Say how much of the stage is done; what that raises ends the search."""
         self._tell(self._doing, done or None)
+        if self._enough():
+            raise OutOfTime
 
 
-def search(session: Session, tell: Tell) -> None:
+def search(session: Session, tell: Tell, enough: Callable[[], bool]) -> Said:
     """Find everything that is missing, as `knobcam learn` does, and put its steps in place one by one.
 
-    It begins with the first model, whatever has come in by hand. Raises InputError as `knobcam.learn` does,
-    and where that was done already.
+    It begins with the first model, whatever has come in by hand. Where a person has `enough` before its end,
+    what it had come to is put in place all the same, and it is said that it was ended. Raises InputError as
+    `knobcam.learn` does, and where that was done already.
     """
     branch, node, start = session.branch, session.node, session.start
     if node.id in session.searched:
         raise InputError("everything that is found of these captures is in the model already")
-    heard = _Heard(tell)
+    heard = _Heard(tell, enough)
     heard.say("fitting the first model")
     captures = [session.captures[one].capture for one in node.captures]
     first = as_logged(captures, start.model, **start.options)
@@ -113,12 +136,15 @@ def search(session: Session, tell: Tell) -> None:
     foreign = session.laws_of_others(node) & set(first.model.catalogue())
     given = start.model is not None
     found = Search(first, foreign, heard.say, heard, given=given, detents=automatic).selected()
+    if found.cut is not None and len(found.ladder) == 1:
+        return _ended(found)  # nothing had come in
     told = LearningResult(*found)
     _ = told.params  # computed here, where it is seen that it takes its time
     tell("putting what was found in place", last=True)
     made = _nodes(session, found, node)
     with session.lock:
-        session.searched[made[-1].id if made else node.id] = told
+        if found.cut is None:  # else what could be missing is still to be weighed
+            session.searched[made[-1].id if made else node.id] = told
         for one, step in zip([node, *made], found.ladder[-len(made) :] if made else (), strict=False):
             if step.diagnosis is not None and step.diagnosis.whole and step.diagnosis.fit is one.fit:
                 session.diagnoses[one.id] = step.diagnosis  # for whoever goes back
@@ -126,6 +152,19 @@ def search(session: Session, tell: Tell) -> None:
             session.put(made, branch, node)
         else:
             session.touched()
+    return _ended(found)
+
+
+def _ended(found: Selection) -> Said:
+    """Return what is to be said of a search that a person ended, nothing of any other."""
+    if found.cut is None:
+        return Said()
+    came = [OfEffect(step.added) for step in found.ladder if step.added]
+    after = number(found.cut.after_s, "s", ".0f")
+    if not came:
+        return said("the search was ended after {after}; nothing had come in yet", after=after)
+    what = joined(", ", came)
+    return said("the search was ended after {after}; by then it had found: {what}", after=after, what=what)
 
 
 def _nodes(session: Session, found: Selection, node: Node) -> list[Node]:
@@ -145,6 +184,7 @@ def _nodes(session: Session, found: Selection, node: Node) -> list[Node]:
             diagnosis=step.diagnosis,
             also_dropped=step.dropped,
             rung=rung,
+            cut=found.cut is not None,
         )
         for rung, step in rungs
     ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -116,6 +117,14 @@ class Bench:
         """Give up what is being done: what a person waits for, else the weighing. False: too late."""
         return (self.work if self.work.current else self.weighing).cancel()
 
+    def enough(self) -> bool:
+        """End a search with what it has found by now. False where there is none."""
+        job = self.work.current
+        if job is None or not job.stops:
+            return False
+        job.enough.set()
+        return True
+
     @property
     def busy(self) -> bool:
         """Whether anything is still computed, be it something that was given up."""
@@ -167,5 +176,8 @@ class Bench:
             "id": job.id,
             "what": Said(job.what).document(),
             "done": job.done,
+            "takes_s": job.takes_s,
+            "seconds": time.monotonic() - job.begun,
+            "stops": job.stops,
             "recording": job is self.recorder.job,
         }

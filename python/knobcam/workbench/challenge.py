@@ -77,7 +77,8 @@ def standing(session: Session, capture: str) -> pages_sources.Challenge:
     own = {*here.fit.model.effects} if capture in here.captures else set()
     found = [one for one in opened.hidden if one in own]
     solved = len(found) == len(opened.hidden) and own <= base | {*opened.hidden}
-    graded = bool((opened.simulated or {}).get("level"))
+    level = (opened.simulated or {}).get("level") or ""
+    graded = bool(level)
     score = 0 if told else max(0, PERFECT - HINT * taken - WRONG * len(wrong) - LIST * unsealed)
     return {
         "hints": _hints(opened.hidden)[:taken],
@@ -88,6 +89,7 @@ def standing(session: Session, capture: str) -> pages_sources.Challenge:
         "solved": solved,
         "given_up": told,
         "graded": graded,
+        "level": level,
         "sealed": graded and not (unsealed or solved or told),
         "score": score,
     }
@@ -123,11 +125,16 @@ def _note(session: Session, of: str) -> None:
 
 
 def _hints(hidden: Sequence[str]) -> list[str]:
-    """First where each effect acts, then where it shows, then what makes it."""
+    """First where what is hidden acts, then where it shows, then what makes it; each tells of all."""
     effects = [catalogued(one) for one in hidden]
     acts = [f"{_PLACES[one.place]}{' It is friction.' if one.friction else ''}" for one in effects]
-    return [
-        *acts,
-        *(f"It shows {one.shows}." for one in effects),
-        *(f"It could come of {one.causes[0]}." for one in effects),
-    ]
+    shows = [f"It shows {one.shows}." for one in effects]
+    return [_of_each(one) for one in (acts, shows, [f"It could come of {one.causes[0]}." for one in effects])]
+
+
+def _of_each(said: Sequence[str]) -> str:
+    """What is said of each effect; what is the same of all is said once."""
+    first, *others = dict.fromkeys(said)
+    if not others:
+        return first if len(said) == 1 else f"Of each of them: {first}"
+    return f"One: {first} {' '.join(f'Another: {one}' for one in others)}"

@@ -3,11 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import math
-import threading
-import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +14,7 @@ from . import sources, trying
 from .answers import answered, bytes_answer, finished
 from .arrays import packed
 from .bodies import flag, number, read_json, text, whole
-from .jobs import Cancelled
+from .pace import Stages, clocked
 from .sources import Simulated
 
 if TYPE_CHECKING:
@@ -32,12 +27,8 @@ if TYPE_CHECKING:
     from .jobs import Job
     from .session import Session
     from .sources import Emulated, OnPort
-    from .tell import Tell
     from .tree import Opened
 
-_TAKES_S = 4.0  # about, of a stage of a design
-_FIRST, _NEXT = 0.1, 0.6  # of the whole: before anything is told, and of the rest each stage after that
-_TICK_S = 0.2
 _MOST = 8  # effects to be told apart
 _FASTEST = 100.0
 
@@ -68,7 +59,7 @@ class Designing:
         by_hand, sharpen = flag(body, "by_hand", False), text(body, "sharpen", "")
 
         def work(job: Job) -> None:
-            with _clocked(job) as tell:
+            with clocked(job, Stages(job.what)) as tell:
                 trying.design(self.bench.session, names, limits, by_hand, tell, sharpen)
 
         await finished(self.bench.work.start("designing the next motion", work))
@@ -140,49 +131,3 @@ def wanted(session: Session, design: Designed, body: Mapping[str, Any]) -> Simul
         return same.trying(plan, design.limits.sample_rate_hz, seed)
     speed = number(body, "speed", same.speed, 0.1, _FASTEST)
     return replace(same, plan=plan, by_hand=by_hand, seed=seed, speed=speed)
-
-
-@contextmanager
-def _clocked(job: Job) -> Iterator[Tell]:
-    """Say how far a design is by the clock: a search of so many seconds says nothing itself meanwhile."""
-    ended = threading.Event()
-    stage = _Stage(job.what)
-
-    def tell(what: str, _: float | None = None, *, last: bool = False) -> None:
-        stage.go_on(what)
-        job.tell(what, stage.share, last=last)
-
-    def tick() -> None:
-        while not ended.wait(_TICK_S):
-            try:
-                job.tell(stage.what, stage.share)
-            except Cancelled:
-                return
-
-    thread = threading.Thread(target=tick, name="knobcam-clock", daemon=True)
-    thread.start()
-    try:
-        yield tell
-    finally:
-        ended.set()
-        thread.join()
-
-
-class _Stage:
-    """What is done, and about how much of all: each stage begins where the one before came to."""
-
-    def __init__(self, what: str) -> None:
-        self.what = what
-        self._from, self._most, self._begun = 0.0, _FIRST, time.monotonic()
-
-    def go_on(self, what: str) -> None:
-        """Begin another stage, if it is one."""
-        if what != self.what:
-            self._from, self._most = self.share, self.share + _NEXT * (1.0 - self.share)
-            self.what, self._begun = what, time.monotonic()
-
-    @property
-    def share(self) -> float:
-        """From 0 to 1, and never quite 1."""
-        passed = (time.monotonic() - self._begun) / _TAKES_S
-        return self._from + (self._most - self._from) * (1.0 - math.exp(-passed))

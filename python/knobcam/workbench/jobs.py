@@ -7,6 +7,7 @@ import os
 import queue
 import sys
 import threading
+import time
 from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import dataclass, field
@@ -30,12 +31,19 @@ class Cancelled(InputError):
 
 @dataclass(eq=False)
 class Job:
-    """Some work: `done` from 0 to 1, None while nobody can tell; `result` fails with what went wrong."""
+    """Some work: `done` from 0 to 1, None while nobody can tell; `result` fails with what went wrong.
+
+    One that `stops` can be ended with what it has by then, which is what `enough` asks for.
+    """
 
     what: str
     work: Callable[[Job], Any]
     id: str = field(default_factory=lambda: f"j{next(_numbers)}")
     done: float | None = None
+    takes_s: tuple[float, float] | None = None
+    stops: bool = False
+    enough: threading.Event = field(default_factory=threading.Event)
+    begun: float = field(default_factory=time.monotonic)
     result: Future[Any] = field(default_factory=Future)
     told: Callable[[Job], None] = lambda _: None
     ended: threading.Event = field(default_factory=threading.Event)
@@ -123,9 +131,9 @@ class Worker:
         self._threads: list[threading.Thread] = []
         self._serve_anew(None)
 
-    def start(self, what: str, work: Callable[[Job], Any]) -> Job:
+    def start(self, what: str, work: Callable[[Job], Any], stops: bool = False) -> Job:
         """Put work in line and return at once."""
-        job = Job(what, work, told=self._told)
+        job = Job(what, work, told=self._told, stops=stops)
         with self._lock:
             self._jobs = [*(one for one in self._jobs if one.active), job]
         self._waiting.put(job)

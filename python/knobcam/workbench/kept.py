@@ -63,7 +63,8 @@ def of_node(node: Node, after: Node | None) -> Record:
     told: dict[str, Any] = {"id": node.id, "after": None if after is None else after.id, "how": node.how}
     told |= {"effect": node.effect, "captures": list(node.captures), "onward": node.onward}
     told |= {"p_value": node.p_value, "equivalent": list(node.equivalent)}
-    told |= {"also_dropped": list(node.also_dropped), "rung": node.rung}
+    told |= {"also_dropped": list(node.also_dropped), "again": node.again}
+    told |= {"rung": node.rung, "cut": node.cut}
     return {"node": told | {"rmse": node.fit.rmse, "model": node.fit.model.text()}}
 
 
@@ -268,7 +269,9 @@ def _fit_again(told: Record, found: Again, start: Start) -> None:
         )
     p_value = math.nan if told["p_value"] is None else told["p_value"]
     evidence: dict[str, Any] = {"p_value": p_value, "equivalent": tuple(told["equivalent"])}
-    evidence |= {"also_dropped": tuple(told.get("also_dropped", ())), "rung": told.get("rung")}
+    evidence |= {"also_dropped": tuple(told.get("also_dropped", ()))}
+    evidence |= {name: told.get(name) for name in ("again", "rung")}
+    evidence |= {"cut": told.get("cut", False)}
     captures = tuple(told["captures"])
     found.nodes[told["id"]] = Node(
         told["id"], fitted, captures, told["how"], told["effect"], told["onward"], **evidence
@@ -285,7 +288,8 @@ def _fitted(told: Record, before: Node | None, found: Again, start: Start) -> Fi
             richer = before.fit.add(told["effect"])
             for effect in told.get("also_dropped", ()):
                 richer = richer.drop(effect)
-            return richer
+            again = told.get("again")  # which older journals do not have
+            return richer.drop(again).add(again) if again else richer
         # A formula has no start of its own: it begins where it came to.
         return replace(fit(captures, known, **_options(start)), before=before.fit)
     if told["how"] == "dropped" and before is not None:

@@ -29,7 +29,7 @@ def script(done: Sequence[Node], captures: Mapping[str, Opened], start: Start) -
         lines += ["from knobcam.capture.motion_plan import MotionPlan"]
     lines += ["", *loads]
     for before, node in zip([None, *done], done, strict=False):
-        begins = node.rung is not None and (before is None or before.rung != node.rung - 1)
+        begins = node.rung is not None and not node.cut and (before is None or before.rung != node.rung - 1)
         lines += [_search(node, names, start)] if begins else []
         lines += [_step(node, names, start)]
     return "\n".join([*lines, "print(fit)", ""])
@@ -62,14 +62,26 @@ def _given(node: Node, names: Mapping[str, str], start: Start) -> str:
 def _step(node: Node, names: Mapping[str, str], start: Start) -> str:
     if node.how == "added" and node.effect is not None and node.effect in node.fit.model.laws:
         return "\n".join(_law(node, node.effect, [names[one] for one in node.captures], start))
+    if node.cut:  # another run would end it elsewhere
+        return "\n".join(_as_it_was(node, [names[one] for one in node.captures], start))
     if node.rung is not None:
         return f"fit = story.ladder[{node.rung}].fit"
     if node.how == "added":
         gone = "".join(f".drop({one!r})" for one in node.also_dropped)
-        return f"fit = fit.add({node.effect!r}){gone}"
+        again = f".drop({node.again!r}).add({node.again!r})" if node.again else ""
+        return f"fit = fit.add({node.effect!r}){gone}{again}"
     if node.how == "dropped":
         return f"fit = fit.drop({node.effect!r})"
     return f"fit = kc.fit({_given(node, names, start)})"
+
+
+def _as_it_was(node: Node, captures: Sequence[str], start: Start) -> Iterator[str]:
+    """A model as it came to be, fitted once more from there."""
+    yield f"model = kc.Model.parse({node.fit.model.text()!r})"
+    # With a model detents are no choice.
+    options = (f"{key}={value!r}" for key, value in start.options.items() if key != "detents")
+    given = [f"[{', '.join(captures)}]", "model", *options]
+    yield f"fit = kc.fit({', '.join(given)})"
 
 
 def _law(node: Node, name: str, captures: Sequence[str], start: Start) -> Iterator[str]:

@@ -41,6 +41,7 @@ from .preview import Unmapped, explained
 from .proposing import Proposing
 from .recording import Recording
 from .ruling import Ruling
+from .searching import Searching
 from .shared import Shared
 
 UPLOAD_BYTES = 200_000_000
@@ -71,7 +72,6 @@ def application(bench: Bench, token: str, port: int, upload_bytes: int = UPLOAD_
     designing, proposing, ruling = Designing(bench), Proposing(bench), Ruling(bench)
     posts: dict[str, Answers] = {
         **{"add": server.add, "drop": server.drop, "undo": server.undo, "redo": server.redo},
-        "search": server.search,
         **{"branch": server.branch, "switch": server.switch, "params": server.params, "snap": server.snap},
         **{"diagnose": server.diagnose, "cancel": server.cancel, "share": server.share, "use": server.use},
         "close": server.close,
@@ -80,6 +80,7 @@ def application(bench: Bench, token: str, port: int, upload_bytes: int = UPLOAD_
         **designing.posts,
         **proposing.posts,
         **ruling.posts,
+        **Searching(bench).posts,
     }
     gets: dict[str, Answers] = {
         **{
@@ -209,10 +210,6 @@ class _Server:
         effect = text(await read_json(request), "effect")
         doing = said("adding {effect}", effect=OfEffect(effect))
         return await self._long(doing, lambda job: self.session.add(effect, job.tell))
-
-    async def search(self, _: Request) -> Response:
-        """Find everything that is missing."""
-        return await self._long("finding everything", lambda job: self.session.search(job.tell))
 
     async def drop(self, request: Request) -> Response:
         """Take an effect out."""

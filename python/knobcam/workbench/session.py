@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base.reading import digest, look
-from ..base.said import OfEffect, said
+from ..base.said import OfEffect, Said, said
 from ..capture import load
 from ..errors import InputError
 from ..fit import Fit, fit
@@ -217,9 +217,9 @@ class Session:
         """Add an effect and fit anew. Raises InputError for one that the model cannot be given."""
         adding.add(self, effect, tell)
 
-    def search(self, tell: Tell = quiet) -> None:
-        """Find everything that is missing, and take it in step by step. Raises InputError as `learn` does."""
-        adding.search(self, tell)
+    def search(self, tell: Tell = quiet, enough: Callable[[], bool] = lambda: False) -> Said:
+        """Find everything that is missing, and take it in step by step; see `adding.search`."""
+        return adding.search(self, tell, enough)
 
     def drop(self, effect: str, tell: Tell = quiet) -> None:
         """Take an effect out and fit anew. Raises InputError for one that the model does not have."""

@@ -28,7 +28,7 @@ from .learned import carried, conclusion, in_vain, ladder
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from ..base.pages_said import Part
+    from ..base.pages_left import Limitation
     from ..fit import Estimate, Fit
     from ..fit.diagnose import Diagnosis
     from ..learn.ladder import LearningStep
@@ -108,7 +108,7 @@ def document(session: Session) -> pages.Session:
         "candidates": known["candidates"] if diagnosis is None else candidates(diagnosis, left),
         "warnings": list(fitted.warnings),
         "limitations": told.limitations,
-        "disagreements": [one.sentence.document() for one in disagreed],
+        "disagreements": [{"param": one.param, "said": one.sentence.document()} for one in disagreed],
         "titles": titles(fitted.model.coordinate),
         "absent": [one for one in told.absent if one["effect"] not in foreign],
         "untold": [[added, *others] for added, others in untold_of_each(steps).items()],
@@ -128,14 +128,17 @@ class _Said(NamedTuple):
 
     peak: float
     together: list[pages.Together]
-    limitations: list[list[Part]]
+    limitations: list[Limitation]
     absent: list[pages.Effect]
     limits: dict[str, float] | None
 
 
 @remembered
 def _said(fitted: Fit) -> _Said:
-    cannot = [Said(one.message, "; ", one.record).document() for one in limitations(fitted)]
+    cannot: list[Limitation] = [
+        {"said": Said(one.message, "; ", one.record).document(), "sharpen": one.sharpen}
+        for one in limitations(fitted)
+    ]
     missing = [one.document() for one in absent(fitted.model)]
     return _Said(peak(fitted), _together(fitted), cannot, missing, _reached(fitted))
 

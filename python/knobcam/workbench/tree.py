@@ -74,8 +74,8 @@ class Node:
     `how` is what made it: all parameters `fitted` to the `captures`, an `effect` `added` to the node before,
     or `dropped` from it. `onward` says that a `fitted` one started from the model of the node before.
     `p_value`, `equivalent` and `diagnosis` are the evidence for an effect that was weighed before it came in,
-    `also_dropped` what it made needless. One that a search for everything came to is the `rung` of its
-    ladder, counted from 0.
+    `also_dropped` what it made needless, `again` what was looked for anew beside it. One that a search for
+    everything came to is the `rung` of its ladder, counted from 0; `cut`: of one that a person ended.
     """
 
     id: str
@@ -88,7 +88,9 @@ class Node:
     equivalent: tuple[str, ...] = ()
     diagnosis: Diagnosis | None = None
     also_dropped: tuple[str, ...] = ()
+    again: str | None = None
     rung: int | None = None
+    cut: bool = False
 
 
 def laws_of_others(node: Node, nodes: Iterable[Node]) -> set[str]:

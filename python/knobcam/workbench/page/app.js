@@ -232,17 +232,17 @@ var SEEN = 1e-3;
 var LEAST = 0.02;
 function spectrumOf(split) {
   if (!split) return null;
-  const level = split.band.map((value) => value ?? 0);
-  const highest = Math.max(...level);
+  const level2 = split.band.map((value) => value ?? 0);
+  const highest = Math.max(...level2);
   const middle = split.low.map((low, at) => (low + split.high[at]) / 2);
-  const shown2 = [...middle.keys()].filter((at) => middle[at] > 0 && level[at] > SEEN * highest);
+  const shown2 = [...middle.keys()].filter((at) => middle[at] > 0 && level2[at] > SEEN * highest);
   if (shown2.length < 2) return null;
-  const levels = shown2.map((at) => level[at]).sort((a, b) => a - b);
+  const levels = shown2.map((at) => level2[at]).sort((a, b) => a - b);
   const least = LEAST * levels[levels.length >> 1];
   return {
     x: shown2.map((at) => Math.log10(middle[at])),
     y: shown2.map((at) => Math.log10(Math.max(split.mean[at], least))),
-    chance: shown2.map((at) => Math.log10(level[at]))
+    chance: shown2.map((at) => Math.log10(level2[at]))
   };
 }
 function drawSpectrum(brush, { x, y, chance }, { across, up, bottom }, colours) {
@@ -592,7 +592,6 @@ function band(modelled, half) {
 function aboutOf({ unit, peak, captures, active }) {
   return { unit, peak, coordinate: captures.find(({ id }) => active.includes(id))?.coordinate ?? "rotary" };
 }
-var NOTHING = 1e-4;
 var DIRECTIONS = /* @__PURE__ */ new Map([[1, " forward"], [-1, " backward"]]);
 var AGAIN = "open the file once more and";
 var WAYS = {
@@ -633,10 +632,10 @@ function measured({ value, unit, text }, about2) {
   const shown2 = scale.factor === 1 ? text.replaceAll("-", "−") : number(value * scale.factor);
   return `${shown2} ${unbroken(scale.unit)}`;
 }
-function stretch({ low, high, unit, direction, words: words4 }, about2) {
+function stretch({ ends: ends2, unit, direction, words: words4 }, about2) {
   if (words4) return words4;
   const scale = scaleOf(unit, about2);
-  const [from, to] = [low, high].map((end) => number(Math.abs(end) > NOTHING * (high - low) ? end * scale.factor : 0, 4));
+  const [from, to] = ends2.map((end) => number(end * scale.factor, 4));
   return `${from} to ${to} ${unbroken(scale.unit)}${DIRECTIONS.get(direction) ?? ""}`;
 }
 function unbroken(unit) {
@@ -731,8 +730,8 @@ function showFindings(place4, { captures, active, limitations, disagreements, no
   });
   found2.push(...[...every.values()].map((one) => finding(one, all, about2, deeds)));
   const openOnes = new Set([...place4.querySelectorAll("details[data-at][open]")].map((one) => one.getAttribute("data-at")));
-  const missing = limitations.map((said) => make("li", { class: "soft" }, "Cannot be told: ", ...nodes(said, about2), ...sharpening(said, about2, deeds.sharpen)));
-  const apartFrom = disagreements.map((said, at) => disagreement(said, about2, at, openOnes.has(String(at))));
+  const missing = limitations.map(({ said, sharpen }) => make("li", { class: "soft" }, "Cannot be told: ", ...nodes(said, about2), ...sharpening(sharpen, deeds.sharpen)));
+  const apartFrom = disagreements.map((one, at) => disagreement(one, about2, at, openOnes.has(String(at))));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
   const open = place4.querySelector("details:not([data-at])")?.hasAttribute("open") ?? false;
   const own = found2.length > FEW2 ? [folded(found2, told, open)] : found2;
@@ -740,15 +739,13 @@ function showFindings(place4, { captures, active, limitations, disagreements, no
   const again = focused && place4.querySelector(`[data-finding="${CSS.escape(focused)}"]`);
   if (again instanceof HTMLElement) again.focus();
 }
-function sharpening(said, about2, sharpen) {
-  const last = said.findLast((part) => typeof part === "object" && "param" in part);
-  if (!last || typeof last === "string" || !("param" in last)) return [];
-  const title = `the motion that makes it known best: ${sentence([last], about2)}`;
-  return [". ", make("button", { type: "button", text: "Design that motion…", title, on: { click: () => sharpen(last.param) } })];
+function sharpening(param, sharpen) {
+  if (param === null) return [];
+  const title = `the motion that makes it known best: ${paramOf(param)}`;
+  return [". ", make("button", { type: "button", text: "Design that motion…", title, on: { click: () => sharpen(param) } })];
 }
-function disagreement(said, about2, at, open) {
-  const of = said.filter((part) => typeof part === "object" && "param" in part);
-  const summary = make("summary", { class: "doubt" }, "⚠ The captures disagree", ...of.length > 0 ? [": ", ...nodes(of.slice(0, 1), about2)] : []);
+function disagreement({ param, said }, about2, at, open) {
+  const summary = make("summary", { class: "doubt" }, "⚠ The captures disagree: ", named(paramOf(param), param));
   return make("li", {}, make("details", { open, "data-at": String(at) }, summary, make("p", { class: "doubt" }, ...nodes(said, about2), ".")));
 }
 function alikeInAll([first, ...others]) {
@@ -1114,7 +1111,7 @@ function showUntold(place4, { untold, needless }, apart2, drop) {
 }
 
 // src/candidates.js
-var NOTHING2 = "No effect that was weighed explains enough of what is left.";
+var NOTHING = "No effect that was weighed explains enough of what is left.";
 var NO_MORE = "Nothing that was weighed is still missing.";
 var NAMED = 0.01;
 var ALONE = "Weighed one at a time; Find everything weighs sets too, from the first model on, and may end elsewhere.";
@@ -1162,7 +1159,7 @@ var Candidates = class {
       ...candidates.ready ? [] : [make("p", { class: "soft" }, job ? `${sentence(job.what, about2)} …` : ask2)],
       candidates.ready && !searched && could.length > 0 ? make("p", { class: "soft alone", text: ALONE }) : "",
       ...candidates.ready && this.items.length === 0 ? [make("p", { class: "well", text: "Nothing is left to be weighed." })] : [],
-      candidates.ready && could.length === 0 && this.items.length > 0 ? make("p", { class: "soft", text: candidates.unexplained ? NOTHING2 : NO_MORE }) : "",
+      candidates.ready && could.length === 0 && this.items.length > 0 ? make("p", { class: "soft", text: candidates.unexplained ? NOTHING : NO_MORE }) : "",
       make("ul", { "aria-label": "candidates", class: "candidates" }, ...this.items.slice(0, could.length)),
       out.length > 0 ? folded2(out, `${out.length} ruled out by values that none can have: ${outWords(ruledOut)}`) : "",
       others.length > 0 ? folded2(others, `${restWords(others.length, this.items.length)}: no better than chance, or too little to matter`) : "",
@@ -1533,12 +1530,12 @@ function stops(brush, { along, torque }, { ink, shade, colour }) {
   brush.strokeStyle = colour;
   if (torque !== 0) line(brush, [[at + 20, 34], [at + 20 + 40 * torque, 34]]);
 }
-function gauge(brush, { level, bare }, { ink, soft, colour }) {
+function gauge(brush, { level: level2, bare }, { ink, soft, colour }) {
   brush.strokeStyle = soft;
   brush.beginPath();
   brush.arc(115, 108, 92, Math.PI, 2 * Math.PI);
   brush.stroke();
-  for (const [value, needle] of [[bare, soft], [level, colour]]) {
+  for (const [value, needle] of [[bare, soft], [level2, colour]]) {
     const way = Math.PI / 2 - 1.3 * Number(value);
     brush.strokeStyle = String(needle);
     line(brush, [[115, 108], [115 + 84 * Math.cos(way), 108 - 84 * Math.sin(way)]]);
@@ -1596,9 +1593,9 @@ function acting(effect, { data, at, added }) {
     const scale = torqueScale(data);
     words4.textContent = momentWords(t[now], motion.added ? motion.added[now] : null, scale);
   };
-  const frame = (clock) => {
+  const frame = (clock2) => {
     if (!playing || !canvas.isConnected || !canvas.closest("dialog[open]")) return run(false);
-    const time = begun.time + PACE * (clock - begun.clock) / 1e3;
+    const time = begun.time + PACE * (clock2 - begun.clock) / 1e3;
     let now = Number(slider.value);
     while (now < t.length - 1 && t[now] < time) now++;
     slider.value = String(now);
@@ -2124,7 +2121,8 @@ function saving(heard) {
 // src/hidden.js
 var hiding = [];
 var asked = 0;
-function unhiding(failed) {
+var level = "";
+function unhiding({ failed, done }) {
   byId("unhide").addEventListener("click", async () => {
     try {
       const told = await Promise.all(hiding.map((capture) => post("hidden", { capture })));
@@ -2136,6 +2134,7 @@ function unhiding(failed) {
   const hint = (whole) => post("hint", { capture: hiding[0], whole }).catch(failed);
   byId("hint").addEventListener("click", () => hint(false));
   byId("unseal").addEventListener("click", () => hint(true));
+  byId("next-challenge").addEventListener("click", () => post("simulate", { level }).then(done, failed));
 }
 async function showHidden({ captures, active }) {
   const now = captures.filter(({ id, hides }) => hides && active.includes(id)).map(({ id }) => id);
@@ -2150,15 +2149,19 @@ async function showHidden({ captures, active }) {
   const told = await ask("challenge", { capture: now[0] }).catch(() => null);
   if (told && mine === asked) showStanding(told);
 }
-function showStanding({ hints, more, wrong, found: found2, hidden, solved, given_up, graded, sealed, score }) {
+function showStanding({ hints, more, wrong, found: found2, hidden, solved, given_up, graded, level: of, sealed, score }) {
+  const over = solved || given_up;
+  level = of;
   document.body.classList.toggle("sealed", sealed);
   byId("unseal").hidden = !sealed;
   byId("challenge-said").classList.toggle("well", solved && !given_up);
   byId("challenge-score").textContent = graded ? `${score} points` : "";
   byId("challenge-said").textContent = graded ? standingWords({ wrong, found: found2, hidden, solved, given_up }) : surpriseWords({ found: found2, hidden, solved });
-  byId("hint").hidden = !graded;
+  byId("hint").hidden = !graded || over;
+  byId("unhide").hidden = graded && solved && !given_up;
+  byId("next-challenge").hidden = !graded || !over;
   byId("challenge-hints").replaceChildren(...hints.map((text) => make("li", { text })));
-  byId("hint").disabled = !more || solved || given_up;
+  byId("hint").disabled = !more;
 }
 function surpriseWords({ found: found2, hidden, solved }) {
   const [what, is] = hidden === 1 ? ["What was hidden", "one effect is"] : [`All ${hidden} effects that were hidden`, `${hidden} effects are`];
@@ -2176,17 +2179,37 @@ function standingWords({ wrong, found: found2, hidden, solved, given_up }) {
 }
 
 // src/job.js
-var NOTHING3 = { unit: "N m", peak: 0, coordinate: "rotary" };
+var NOTHING2 = { unit: "N m", peak: 0, coordinate: "rotary" };
+function jobButtons(ask2, say) {
+  byId("cancel").addEventListener("click", async () => {
+    const answer = await ask2("cancel");
+    if (answer?.cancelled === false) say("too late to cancel: it is done");
+  });
+  byId("enough").addEventListener("click", () => ask2("enough"));
+}
+var LONG_S = 2;
+var since = 0;
+var clock;
 function showJob(job, about2) {
   byId("job").hidden = job === null;
+  clearInterval(clock);
   if (!job) return;
-  byId("job-what").textContent = sentence(job.what, about2 ?? NOTHING3);
+  byId("job-what").textContent = sentence(job.what, about2 ?? NOTHING2);
+  byId("enough").hidden = !job.stops;
   const bar2 = (
     /** @type {HTMLProgressElement} */
     byId("job-done")
   );
   if (job.done === null) bar2.removeAttribute("value");
   else bar2.value = job.done;
+  since = performance.now() - 1e3 * job.seconds;
+  const tick = () => void (byId("job-time").textContent = timeWords((performance.now() - since) / 1e3, job.takes_s));
+  tick();
+  clock = setInterval(tick, 1e3);
+}
+function timeWords(seconds2, takes) {
+  const usual = takes ? `, usually ${number(takes[0], 1)} to ${number(takes[1], 1)} s` : "";
+  return seconds2 < LONG_S && !usual ? "" : `${Math.floor(seconds2)} s${usual}`;
 }
 
 // src/keys.js
@@ -3905,8 +3928,8 @@ var Live = class {
   }
   /** Fetch what came since the last time, and show it in the next frame. */
   async look() {
-    const since = String(this.columns.t?.length ?? 0);
-    const { head: head2, columns } = unpacked(await fetchBytes("/api/live", { since }));
+    const since2 = String(this.columns.t?.length ?? 0);
+    const { head: head2, columns } = unpacked(await fetchBytes("/api/live", { since: since2 }));
     this.told = head2.live ?? null;
     for (const [name2, more] of Object.entries(columns)) this.columns[name2] = appended(this.columns[name2], more);
     if (this.waiting) return;
@@ -4691,10 +4714,10 @@ var Next = class {
     if (!motion || !state?.experiment || byId("next").hidden) return;
     const words4 = motionWords(aboutOf(state));
     const both = (name2) => [...recorded.map((part) => part[name2]), motion[name2]];
-    const since = recorded.map(({ t }) => t.map((value) => value - (t[0] ?? 0)));
+    const since2 = recorded.map(({ t }) => t.map((value) => value - (t[0] ?? 0)));
     const [over, across] = ["theta", "omega"].map((name2) => ({ y: both(name2), name: name2 }));
     for (const [at, { y, name: name2 }] of [over, across].entries()) {
-      const x = at === 0 ? [...since, motion.t] : both("theta");
+      const x = at === 0 ? [...since2, motion.t] : both("theta");
       const label = (one) => `${words4[one].name}, ${words4[one].unit}`;
       this.plots[at].show({
         title: at === 0 ? `${words4.theta.name} over time` : `velocity over ${words4.theta.name}`,
@@ -5054,8 +5077,8 @@ function sources(heard) {
     if (!known2) return;
     fill(form, "motion", Object.entries(known2.motions[source]).map(([name2, words4]) => [name2, `${name2}: ${words4}`]));
     byId("new-warning").hidden ||= valueOf(form, "motion") === "hand" && !valueOf(form, "model").trim();
-    const level = levelOf(form);
-    for (const name2 of ["knob", "motion", "duration_s", "seed"]) field2(form, name2).disabled = level !== "";
+    const level2 = levelOf(form);
+    for (const name2 of ["knob", "motion", "duration_s", "seed"]) field2(form, name2).disabled = level2 !== "";
     const hideable = known2.knobs.find(({ name: name2 }) => name2 === valueOf(form, "knob"))?.hideable ?? [];
     for (const box of byId("new-effects").querySelectorAll("input")) box.disabled = !hideable.includes(box.value);
   };
@@ -5365,7 +5388,7 @@ var App = class {
     };
     this.askOf = opening(heard);
     saving(heard);
-    unhiding(heard.failed);
+    unhiding(heard);
     this.live = new Live({ ...heard, open: (path) => this.ask("open", { path }, "data") });
     sources({
       ...{ made: heard.done, say: heard.say, recording: () => this.live?.follow() },
@@ -5394,10 +5417,7 @@ var App = class {
     for (const verb of ["undo", "redo", "snap", "search"]) {
       byId(verb).addEventListener("click", () => this.ask(verb, {}, verb));
     }
-    byId("cancel").addEventListener("click", async () => {
-      const answer = await this.ask("cancel");
-      if (answer?.cancelled === false) this.say("too late to cancel: it is done");
-    });
+    jobButtons((verb) => this.ask(verb), (words4) => this.say(words4));
     byId("new-branch").addEventListener("click", () => this.ask("branch"));
     byId("clear").addEventListener("click", () => this.linked.clear());
     byId("closer").addEventListener("click", () => this.linked.lookCloser());
@@ -5451,7 +5471,7 @@ var App = class {
     if (deed) this.deed = { what: deed, start: performance.now() };
     try {
       const answer = await post(verb, body);
-      this.say("");
+      this.say(answer.cut && this.state ? sentence(answer.cut, aboutOf(this.state)) : "");
       if (verb === "search") shown(byId("verdict"));
       if (answer.node && this.state?.node && deed !== "data") this.expect(answer.node, capturesOf(answer.node, this.state));
       if (answer.revision !== void 0) this.refresh(answer.revision);
