@@ -64,7 +64,7 @@ def run(*command: str | Path, silent: bool = False, place: Path = ROOT) -> str:
     environment |= {"PIP_QUIET": "1", "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
     # A conda environment that happens to be active would compete with .venv for the extension.
     environment.pop("CONDA_PREFIX", None)
-    # Containers often forbid Python to keep what it compiled: every process of the tests would compile it again.
+    # Containers often forbid Python to keep what it compiles: each process would compile it again.
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
     output = subprocess.PIPE if silent else None
     ended = subprocess.run(words, cwd=place, env=environment, stdout=output, text=True, check=False)
