@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import subprocess
+import sys
 from importlib import util
 from pathlib import Path
 from types import ModuleType
@@ -39,6 +40,14 @@ def test_a_first_look_builds_the_extension_and_nothing_for_other_programs(
     assert [line for line in looked if "maturin" in line] and looked[-1].endswith("knobcam demo")
     assert not [line for line in looked if "knobstep" in line]
     assert len([line for line in worked if "knobstep" in line]) == 2
+
+
+def test_what_a_command_compiles_of_python_is_kept_where_the_environment_forbids_it(
+    dev: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")
+    told = dev.run(sys.executable, "-c", "import sys; print(sys.dont_write_bytecode)", silent=True)
+    assert told == "False\n"
 
 
 def asked_of_crates(*selection: str) -> dict[str, str]:

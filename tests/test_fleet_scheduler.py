@@ -1,7 +1,8 @@
-"""An address of a scheduler at which something else answers, or nothing: one line, soon."""
+"""The scheduler and workers of a batch; where something else answers, or nothing: one line, soon."""
 
 from __future__ import annotations
 
+import gc
 import socket
 import threading
 import time
@@ -60,6 +61,11 @@ def test_what_is_no_scheduler_is_refused_in_one_line_and_soon(answer: bytes, cap
 def test_an_address_that_is_none_is_refused_in_one_line(address: str, capture: Path, tmp_path: Path):
     ended = process("batch", capture, "-o", tmp_path / "r", "--scheduler", address)
     refused(ended, f"--scheduler {address}: no scheduler answers there")
+
+
+def test_workers_never_go_through_what_was_loaded_before_them():
+    with cluster.workers(None) as client:
+        assert min(client.run(gc.get_freeze_count).values()) > 10_000
 
 
 def test_the_address_of_a_worker_is_refused_as_one(capture: Path, tmp_path: Path):
