@@ -283,8 +283,9 @@ def test_captures_that_disagree_are_said_by_names_with_units_once_they_are_weigh
     assert document(session)["disagreements"] == []
     session.weigh()
     first = document(session)["disagreements"][0]
-    assert {"param": "viscous.pos"} in first
-    assert [part["unit"] for part in first if isinstance(part, dict) and "unit" in part] == ["N m s/rad"] * 2
+    assert first["param"] == "viscous.pos" and {"param": "viscous.pos"} in first["said"]
+    units = [part["unit"] for part in first["said"] if isinstance(part, dict) and "unit" in part]
+    assert units == ["N m s/rad"] * 2
 
 
 def _script(session: Session) -> str:

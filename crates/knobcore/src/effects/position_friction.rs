@@ -123,7 +123,8 @@ impl Effect<9> for PositionFriction {
             // More of it is a constant torque than friction, and with that it draws any map of position.
             return vec!["what varies pushes one way, there and back: it is a torque over position".into()];
         }
-        if back.abs().min(forth.abs()) < BOTH_WAYS * back.abs().max(forth.abs()) {
+        let both_ways = context.turning > 0.0; // else what the other way has is not known
+        if both_ways && back.abs().min(forth.abs()) < BOTH_WAYS * back.abs().max(forth.abs()) {
             // Less of it is a constant torque, but as good as all that there is one way.
             return vec!["what varies rubs one way alone, as a pawl does and no friction".into()];
         }
@@ -160,9 +161,11 @@ mod tests {
     fn what_pushes_or_rubs_one_way_alone_is_no_friction() {
         let p = [0.1, 0.3, 0.0, 0.0, 0.2, 0.0, 0.0, 0.0, 0.0];
         let theta = (0..100).map(|i| 0.02 * f64::from(i)).collect();
-        let context = Context { theta, ..Context::default() };
+        let context = Context { theta, turning: 1.0, ..Context::default() };
         let said = |friction| PositionFriction::implausible(&p, &Context { friction, ..context.clone() });
         assert!(said([0.0, 0.0]).is_empty() && said([2e-3, 9e-3]).is_empty());
+        let forward = Context { friction: [0.0, 9e-3], turning: 0.0, ..context.clone() };
+        assert!(PositionFriction::implausible(&p, &forward).is_empty());
         assert!(said([-2e-3, 9e-3])[0].contains("there and back"));
         assert!(said([8e-4, 9e-3])[0].contains("one way alone") && said([9e-3, 0.0]).len() == 1);
     }
