@@ -39,10 +39,11 @@ def in_doubt(
     if len(found) < 2:
         return None
     names = joined(" and ", map(OfEffect, found))
-    bent = {one: why[0] for one in found if (why := stands_in(one, fit))}
-    for one, values in bent.items():
+    bent = {one: whys[0] for one in found if (whys := stands_in(one, fit))}
+    if bent:
+        one, why = next(iter(bent.items()))
         template = "{names} draw it together, but {one} by values that cannot be its own: {why}"
-        hint = said(template, names=names, one=OfEffect(one), why=values)
+        hint = said(template, names=names, one=OfEffect(one), why=why)
         return tuple(bent), before._replace(hint=hint)
     if fit.model.joint is not None or not follows(fit):
         return None
