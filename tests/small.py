@@ -11,6 +11,9 @@ import knobcam as kc
 
 RATE_HZ = 1000.0
 WAVES = ((0.9, 5.1), (0.3, 13.3), (0.05, 47.0))
+NAMES = {"t": "t_s", "theta": "theta_rad", "omega": "omega_rad_s", "alpha": "alpha_rad_s2", "tau": "tau_Nm"}
+"""What a capture calls its columns, and what a file does, of a knob that turns."""
+
 COUPLINGS = ("backlash", "compliance")
 """Left out of a search by tests that are about something else: they take by far the longest."""
 

@@ -22,7 +22,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from command import knobcam, refused
-from small import recorded, rises
+from small import NAMES, recorded, rises
 
 import knobcam as kc
 from knobcam.base.ended import heard
@@ -276,15 +276,8 @@ def test_a_full_disk_is_one_line_and_what_was_kept_stays(
 
 def test_captures_lie_in_parquet_datasets_with_a_key(lot: Path, scheduler: str, tmp_path: Path):
     captures = {f"knob {seed}": part(seed) for seed in range(3)}
-    names = {
-        "t": "t_s",
-        "theta": "theta_rad",
-        "omega": "omega_rad_s",
-        "alpha": "alpha_rad_s2",
-        "tau": "tau_Nm",
-    }
     columns = {
-        name: np.concatenate([getattr(one, at) for one in captures.values()]) for at, name in names.items()
+        name: np.concatenate([getattr(one, at) for one in captures.values()]) for at, name in NAMES.items()
     }
     keys = np.repeat(list(captures), COUNT)
     lots = np.repeat(["a", "a", "b"], COUNT)
@@ -296,7 +289,7 @@ def test_captures_lie_in_parquet_datasets_with_a_key(lot: Path, scheduler: str, 
     assert [row["lot"] for row in whole.rows] == ["a", "a", "b"]
     assert [row["rmse"] for row in whole.rows] == [kc.fit(one).rmse for one in captures.values()]
 
-    lists = {name: [getattr(one, at) for one in captures.values()] for at, name in names.items()}
+    lists = {name: [getattr(one, at) for one in captures.values()] for at, name in NAMES.items()}
     pq.write_table(pa.table({"capture": list(captures), **lists}), tmp_path / "y.parquet")
     other = kc.batch(tmp_path / "y.parquet", tmp_path / "s", scheduler=scheduler, learn="none")
     assert [row["params"] for row in other.rows] == [row["params"] for row in whole.rows]

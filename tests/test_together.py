@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from examiner import Case
 from known import BASE, Known, climbed, comparison, split
-from small import COUPLINGS
+from small import COUPLINGS, NAMES
 
 import knobcam as kc
 from knobcam.learn import LearningResult, exchanged, selection, together
@@ -20,14 +20,7 @@ LEFT = Unexplained("position", 0.4, "")
 def learnt(case: str, every: int = 4) -> LearningResult:
     """A search with every so manieth sample of a case, without joints, which take by far the longest."""
     knob = Case.parse(case).make().capture
-    names = {
-        "t": "t_s",
-        "theta": "theta_rad",
-        "omega": "omega_rad_s",
-        "alpha": "alpha_rad_s2",
-        "tau": "tau_Nm",
-    }
-    columns = {name: np.asarray(knob[column][::every]) for name, column in names.items()}
+    columns = {name: np.asarray(knob[column][::every]) for name, column in NAMES.items()}
     return kc.learn(kc.Capture.from_arrays(**columns), without=COUPLINGS)
 
 
