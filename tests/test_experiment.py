@@ -160,7 +160,7 @@ def test_the_same_seed_gives_the_same_motion_however_slow_the_machine(
     looked: list[int] = []
     for plenty, weighed in ((1e9, len(bank()) + 20), (0.0, len(bank()))):
         looked.clear()
-        monkeypatch.setattr(designing, "_ENOUGH", plenty)
+        monkeypatch.setattr(designing, "ENOUGH", plenty)
         monkeypatch.setattr(designing, "_PLENTY", plenty)
         kc.next_experiment(weak, **rivals, between=partial(looked.append, 1))
         assert len(looked) == weighed

@@ -108,3 +108,24 @@ def test_the_price_after_a_motion_is_the_one_that_a_fit_with_it_is_charged(alike
         both = kc.fit([*alike.captures, again], rival.fit.model)
         price = [math.log(fit.white_squares) * charged(fit, rival.effects) for fit in (both, rival.fit)]
         assert more == pytest.approx(price[0] - price[1], abs=0.5), rival.effects
+
+
+def test_a_rival_that_gives_way_far_from_where_it_was_leaves_what_a_refit_leaves_and_no_line_says() -> None:
+    knob = kc.Model.load("knob4").with_effect("quadratic_drag").with_value("quadratic_drag.d", 3e-5)
+    first = kc.simulate(knob, "sweep", duration_s=2.0, seed=3)
+    base = kc.fit(first)
+    rivals = tuple(Rival((effect,), base.add(effect)) for effect in ("stribeck", "quadratic_drag"))
+    asks = Telling(rivals)
+    slow = kc.motion("sweep", 6.0)
+    track = slow._replace(theta=3.0 * slow.theta, omega=3.0 * slow.omega, alpha=3.0 * slow.alpha)
+    line, told = asks.evidence(track).d, asks.refitted(track).d
+    for right, wrong in ((0, 1), (1, 0)):
+        second = kc.simulate(rivals[right].fit.model, track, noise="none")
+        before = rivals[wrong].fit
+        both = kc.fit([first, second], before.model)
+        squares = [fit.rmse**2 * sum(one.core.used for one in fit.prepared) for fit in (both, before)]
+        came = (squares[0] - squares[1]) / asks.white
+        assert came > TOLD and told[right, wrong] == pytest.approx(came, rel=0.15)
+    # Where drag is right its own line is good; of a Stribeck law at far higher speeds it says nothing.
+    assert max(line[0, 1] / told[0, 1], line[1, 0] / told[1, 0]) > 10.0
+    assert (asks.refitted(track, lambda: True).d == line).all(), "there is no time for a refit"

@@ -21,7 +21,7 @@ from .experiment import Change, Expected, Experiment, NoMotion, Sharpened
 from .limits import Limits
 from .motion_space import Piece, bank, changed, plan, standard
 from .showing_more import along, longest_s, show_more
-from .telling import TOLD, Rival, Telling, Told
+from .telling import ENOUGH, TOLD, Rival, Telling, Told, good, to_sharpen
 
 if TYPE_CHECKING:
     from ..capture.motion_plan import MotionPlan
@@ -32,22 +32,21 @@ STANDARD = ("sweep", "multisine", "turns", "hand")
 """The motions that a designed one is held against."""
 SEARCH = "looking for the motion"
 """What is said of the search, which is by far the longest."""
-_SEARCH_S = 5.0  # at most: where motions take long to weigh, or the machine is slow
+_SEARCH_S = 4.0  # at most: where motions take long to weigh, or the machine is slow
 _TRIES = 500
 """Motions weighed beyond those that a search begins with, the same ones however quick the machine."""
 _CHANGE_S = 3.0  # for all limits that might be wider, together
 _CHANGE_TRIES = 30
 _KEPT = 5
-_FINALISTS = 3
+_FINALISTS = 4
 _SHORTEST = 64  # samples, fewer than which no filter takes
 _NOTHING = 1.0  # variance of the noise: what tells no more of any pair tells nothing
 _EASE = 0.75
 _EASINGS = 12
 _FASTER = 2.0, 5.0
-_ENOUGH = 4.0 * TOLD
-"""More for a pair is no better while another one has less: what comes true may be half of it."""
-_MORE, _PLENTY = 1.2, 2.0 * _ENOUGH
+_MORE, _PLENTY = 1.2, 2.0 * ENOUGH
 """A search goes on from enough to so much more than the best standard motion tells, but not beyond this."""
+_REFITS_S = 3.0  # for refits to the last motions and the captures together
 _THINNED = 4  # samples of the search; what is said of the motion that is chosen has all of them
 _SLOWEST_HZ = 500.0
 
@@ -112,11 +111,10 @@ def design(
     search = _Design(Telling(rivals, seed), limits, sharpen, by_hand, between)
     stuck = () if search.moves() else tuple(one for one in rivals if not search.of(one).moves())
     rest = tuple(one for one in rivals if one not in stuck)
-    if stuck and len(rest) > 1:
-        search = replace(search, telling=Telling(rest, seed))
-        designed = replace(search.best(search_s, seed), left_out=stuck)
-    else:
-        designed = search.best(search_s, seed)
+    if stuck and len(rest) < 2:
+        raise search.none()
+    search = replace(search, telling=Telling(rest, seed)) if stuck else search
+    designed = replace(search.best(search_s, seed), left_out=stuck)
     return replace(designed, took_s=time.monotonic() - begun)
 
 
@@ -144,18 +142,7 @@ class _Design:
         """The parameter to be sharpened, None where rivals are to be told apart."""
         if len(self.telling.rivals) > 1:
             return None
-        core = self.telling.rivals[0].fit.core
-        params = self.telling.rivals[0].fit.params
-        if self.sharpen is not None:
-            if self.sharpen not in core.free:
-                known = ", ".join(core.free)
-                raise InputError(
-                    f"sharpen={self.sharpen!r}: is no parameter that was fitted; known are {known}"
-                )
-            return self.sharpen
-        phases = self.telling.rivals[0].fit.model.phases
-        scale = {name: 1.0 if name in phases else max(abs(params[name].value), 1e-300) for name in core.free}
-        return max(core.free, key=lambda name: params[name].se / scale[name])
+        return to_sharpen(self.telling.rivals[0].fit, self.sharpen)
 
     def of(self, rival: Rival) -> _Design:
         """Return the search for one of the rivals alone."""
@@ -171,15 +158,15 @@ class _Design:
         until = time.monotonic() + search_s
         first = self._banked(until)
         if not first:
-            raise self._none()
+            raise self.none()
         twins = param is None and self._twins(first)
         pool = _best(first) if twins else self._searched(first, until, seed, _TRIES, self._plenty)
-        tracks = [self._runnable(pieces, draws=True) for pieces in pool]
-        known = [(motion, self._told(motion[0].track(self._search_hz()))[1]) for motion in tracks if motion]
-        if not known:
+        motions = [made for pieces in pool if (made := self._runnable(pieces, draws=True)) is not None]
+        if not motions:
             few = "limits, torque_Nm: too little for what the rivals may ask for; give more"
             raise NoMotion(few, self._enough("torque_Nm"))
-        (chosen, track), _ = max(known, key=lambda one: one[1])
+        over = _after(_REFITS_S)
+        chosen, track, told = self._chosen(motions, over)
         omega, alpha = (float(np.max(np.abs(column))) for column in (track.omega, track.alpha))
         peak = (self.telling.peak(track, draws=True), omega, alpha)
         rivals = self.telling.rivals
@@ -189,12 +176,9 @@ class _Design:
             usual = min([before, *(-self._told(one)[1] for one in others)])
             sharpened = (Sharpened(param, before, self.telling.errors(track)[param], usual),)
             return Experiment(rivals, self.limits, chosen, track, (), peak, sharpened)
-        told = self.telling.evidence(track)
-        between = self.telling.between
+        between, standard = self.telling.between, self._best_usual(over)
         expected = tuple(
-            Expected(
-                (i, j), between(told, i, j), max((between(one, i, j) for one in self._usual), default=0.0)
-            )
+            Expected((i, j), between(told, i, j), between(standard, i, j) if standard else 0.0)
             for i in range(len(rivals))
             for j in range(i + 1, len(rivals))
         )
@@ -203,12 +187,28 @@ class _Design:
             return found
         return replace(found, change=self._change(pool, seed))
 
+    def _chosen(
+        self, motions: Sequence[tuple[MotionPlan, MotionTrack]], over: Callable[[], bool]
+    ) -> tuple[MotionPlan, MotionTrack, Told]:
+        """Return the best of the last motions, and what it tells where rivals are refitted to it.
+
+        The first is the best by the straight line; the others are looked at where that one does not tell
+        enough, as far as there is time.
+        """
+        if self.param is not None:
+            rated = [(*one, *self._told(one[0].track(self._search_hz()))) for one in motions]
+            return max(rated, key=lambda one: one[3])[:3]
+        known: list[tuple[MotionPlan, MotionTrack, Told]] = []
+        for made in motions:
+            if known and (over() or self.telling.least(known[-1][2]) >= ENOUGH):
+                break
+            known.append((*made, self.telling.refitted(made[1], over)))
+        return max(known, key=lambda one: good(self.telling.pairs(one[2])))
+
     def _told(self, track: MotionTrack) -> tuple[Told, float]:
         """What a motion that is sampled as in the search tells at the full rate, and how good that is.
 
-        As good as the least D of all pairs, but of two motions rather the one that tells more pairs enough:
-        some that no motion tells apart shall not hide the others. Of a motion that is too slow for the
-        sensors to know its direction it is minus infinity.
+        Of a motion that is too slow for the sensors to know its direction it is minus infinity.
         """
         n = len(self.telling.rivals)
         nothing = Told(np.zeros((n, n)), np.zeros(n))
@@ -218,8 +218,7 @@ class _Design:
             told = self.telling.evidence(track, self.limits.sample_rate_hz)
         except InputError:
             return nothing, -math.inf
-        every = self.telling.pairs(told)
-        return told, sum(min(d, _ENOUGH) for d in every) + math.log1p(min(every))
+        return told, good(self.telling.pairs(told))
 
     def _banked(self, until: float) -> list[_Scored]:
         """Return the motions that a search begins with; some of them, where the time is over before."""
@@ -248,18 +247,20 @@ class _Design:
                 return False
         return True
 
-    @cached_property
-    def _usual(self) -> list[Told]:
-        """What each of the standard motions tells."""
-        return [self._told(one)[0] for one in self._standard(self._search_hz())]
+    def _best_usual(self, over: Callable[[], bool]) -> Told | None:
+        """What the best of the standard motions tells, refitted to it as to the motion that is chosen."""
+        rated = [(one, self._told(one)[1]) for one in self._standard(self.limits.sample_rate_hz)]
+        best, rate = max(rated, key=lambda one: one[1], default=(None, -math.inf))
+        return None if best is None or rate == -math.inf else self.telling.refitted(best, over)
 
     @property
     def _plenty(self) -> float:
         """The least D with which a search ends."""
         if self.param is not None:
             return math.inf
-        usual = max((self.telling.least(one) for one in self._usual), default=0.0)
-        return min(max(_MORE * usual, _ENOUGH), _PLENTY)
+        tracks = self._standard(self._search_hz())
+        usual = max((self.telling.least(self._told(one)[0]) for one in tracks), default=0.0)
+        return min(max(_MORE * usual, ENOUGH), _PLENTY)
 
     def _searched(
         self, first: Sequence[_Scored], until: float, seed: int, tries: int, plenty: float
@@ -274,7 +275,7 @@ class _Design:
             del scored[_KEPT:]
             parent = scored[int(rng.integers(len(scored)))].pieces
             self._score(changed(parent, rng, float(rng.choice((0.03, 0.1, 0.3)))), scored)
-        return _best(scored)
+        return _best([*scored, *first])
 
     def _score(self, pieces: tuple[Piece, ...], scored: list[_Scored]) -> None:
         if self.between is not None:
@@ -329,7 +330,7 @@ class _Design:
                 tracks.append(one)
         return tracks
 
-    def _none(self) -> NoMotion:
+    def none(self) -> NoMotion:
         """Return what is said where no motion is within the limits: which of them is at fault."""
         limits, limit, least = self.limits, "duration_s", 0.0
         gentle = (plan(one, limits, _EASE ** (_EASINGS - 1)).track(self._search_hz()) for one in bank())
@@ -386,5 +387,14 @@ class _Design:
         return None
 
 
+def _after(seconds: float) -> Callable[[], bool]:
+    until = time.monotonic() + seconds
+    return lambda: time.monotonic() > until
+
+
 def _best(scored: Sequence[_Scored]) -> list[tuple[Piece, ...]]:
-    return [one.pieces for one in sorted(scored, key=lambda one: -one.score)[:_FINALISTS]]
+    """Return the best motions of which none is of the same kind as another: what holds of one may of all."""
+    kinds: dict[tuple[str, ...], tuple[Piece, ...]] = {}
+    for one in sorted(scored, key=lambda one: -one.score):
+        kinds.setdefault(tuple(piece.kind for piece in one.pieces), one.pieces)
+    return [*kinds.values()][:_FINALISTS]

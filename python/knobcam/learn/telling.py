@@ -19,15 +19,17 @@ import numpy as np
 
 from .. import _core
 from ..base.said import OfEffect, Said, joined
+from ..errors import InputError
 from ..fit.doubts import white_variance
 from ..fit.price import charged, count
+from ..fit.refit import cores
 from ..fit.rule import RULE
 from ..model import Model
 from ..model.effects import effects as catalogue
 from ..model.simulate import exact
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from ..base.arrays import FloatArray
     from ..capture.formats.units import Coordinate
@@ -36,6 +38,8 @@ if TYPE_CHECKING:
 
 TOLD = 10.8
 """From this D on the choice is wrong in at most 5 of 100."""
+ENOUGH = 4.0 * TOLD
+"""More for a pair is no better while another one has less: what comes true may be half of it."""
 _MARGIN = 1.05  # of a peak torque: what the parameters, drawn a few times, may not have shown
 _DRAWS = 6
 _BEYOND = 2.0  # standard deviations by which a draw may be worse than its covariance says
@@ -193,6 +197,29 @@ class Telling:
                 dearer[other] = self._dearer(self.rivals[other], errors, counted)
         return Told(told, dearer)
 
+    def refitted(self, track: MotionTrack, over: Callable[[], bool] = lambda: False) -> Told:
+        """Return what a motion tells where each rival is refitted to it and to the captures together.
+
+        What gives way far from where it was fitted leaves less than the straight line from there says: a
+        joint that becomes stiff, a law of friction that becomes another. A pair that does not get its turn
+        before the time is `over`, or that is not told anyhow, has what the line says.
+        """
+        told = self.evidence(track)
+        still = self.signals(track)
+        for truth, other in zip(*np.nonzero(told.d >= TOLD), strict=True):
+            if over():
+                break
+            torque = self.rivals[truth].fit.core.model.torque(still, filtered=False)
+            told.d[truth, other] = self._left_by(self.rivals[other].fit, self.signals(track, torque))
+        return told
+
+    def _left_by(self, fit: Fit, made: _core.Signals) -> float:
+        """Return how much more a refit to captures and a motion leaves than of the captures, by the noise."""
+        both = _core.refine([*cores(fit), made], fit.core.model, False)
+        before = sum(one.core.used for one in fit.prepared)
+        more = both.rmse**2 * (before + made.used) - fit.core.rmse**2 * before
+        return max(more / self.white, 0.0)
+
     def _dearer(self, rival: Rival, errors: FloatArray, counted: float) -> float:
         """Return how much more a rival's parameters cost with these errors and so many samples more.
 
@@ -281,6 +308,30 @@ class Telling:
         core = self.rivals[0].fit.core
         _, errors = core.expected(self.signals(track), self._white(track, rate_hz))
         return dict(zip(core.free, errors.tolist(), strict=True))
+
+
+def to_sharpen(fit: Fit, asked: str | None) -> str:
+    """Return the parameter that is to be known better: the one that is asked for, or the widest.
+
+    Raises InputError for one that was not fitted.
+    """
+    free, params, phases = fit.core.free, fit.params, fit.model.phases
+    if asked is not None:
+        if asked not in free:
+            known = ", ".join(free)
+            raise InputError(f"sharpen={asked!r}: is no parameter that was fitted; known are {known}")
+        return asked
+    scale = {name: 1.0 if name in phases else max(abs(params[name].value), 1e-300) for name in free}
+    return max(free, key=lambda name: params[name].se / scale[name])
+
+
+def good(pairs: Sequence[float]) -> float:
+    """Return how good a motion is that tells so much of each pair.
+
+    As good as the least of them, but of two motions rather the one that tells more pairs enough: some that no
+    motion tells apart shall not hide the others.
+    """
+    return sum(min(d, ENOUGH) for d in pairs) + math.log1p(min(pairs))
 
 
 def wrong_choice(d: float) -> float:
