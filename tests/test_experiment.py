@@ -233,6 +233,12 @@ def test_the_command_prints_the_document_and_writes_the_motion(
         (("--rivals", "base,stribeck", "--sharpen", "inertia.M"), "", "leave one out"),
         ((), "torque = 1.0", "is no limit"),
         ((), "torque_Nm = nan", "give a number above 0"),
+        ((), "duration_s = 600.0\nsample_rate_hz = 1e6", "600 s at 1e+06 Hz are 6e+08 samples"),
+        (
+            ("--rivals", "stribeck+end_stop,base"),
+            "",
+            "rivals: stribeck + end_stop: motion: is none that the model can follow",
+        ),
         ((), "theta_min_rad = 3.0\ntheta_max_rad = 2.0", "nothing could move"),
     ],
 )
@@ -259,6 +265,23 @@ def test_of_limits_that_no_motion_keeps_the_one_that_is_at_fault_is_named(
     with pytest.raises(kc.InputError, match=r".") as refusal:
         kc.next_experiment(weak, rivals=["base", "stribeck"], limits=limits)
     assert str(refusal.value).startswith(said)
+
+
+def test_of_a_rival_that_runs_away_that_is_said_and_no_limit_is_blamed_for_it(
+    weak: kc.LearningResult,
+) -> None:
+    # A shaft so soft and light that it swings faster than the samples of a search tell.
+    values = {"compliance.k": 4.38, "compliance.d": 1e-9, "compliance.share": 0.04, "inertia.M": 2e-6}
+    soft = kc.Model.load("knob4").with_effect("compliance")
+    for name, value in values.items():
+        soft = soft.with_value(name, value).with_fixed(name)
+    lost = Rival(("compliance",), kc.fit(weak.captures, soft))
+    limits = dataclasses.replace(Limits.reached(weak.fit.prepared), sample_rate_hz=500.0)
+    assert Telling((lost,)).peak(kc.motion("sweep", 4.0, 500.0), draws=False) == math.inf
+    with pytest.raises(
+        kc.InputError, match=r"^rivals: compliance: motion: is none that the model can follow"
+    ):
+        design((Rival((), weak.ladder[0].fit), lost), limits)
 
 
 def test_a_call_that_is_wrong_is_refused_before_anything_is_learned(

@@ -211,7 +211,7 @@ def test_an_experiment_says_what_it_tells_and_what_it_would_take():
         "4 s tell base, stribeck and offset apart (the wrong one is chosen in 5 %)"
     )
     short = designed(30.0, 0.99 * TOLD, 50.0)
-    assert not short.separable and short.headline.endswith("on any motion they are nearly the same.")
+    assert not short.separable and short.headline.endswith("alone is made up to five times as wide helps.")
     assert "tells base and offset apart: D is 10.7 at most" in short.headline
     wider = replace(short, change=Change("omega_rad_s", 12.0, 20.0))
     assert wider.headline.endswith("With omega_rad_s = 12 it would be 20.")

@@ -12,6 +12,7 @@ import pytest
 import knobcam as kc
 from knobcam.fit.price import charged
 from knobcam.fit.rule import RULE
+from knobcam.learn import contenders as contenders_module
 from knobcam.learn import telling
 from knobcam.learn.contenders import contenders
 from knobcam.learn.telling import TOLD, Rival, Telling, Told, wrong_choice
@@ -129,3 +130,16 @@ def test_a_rival_that_gives_way_far_from_where_it_was_leaves_what_a_refit_leaves
     # Where drag is right its own line is good; of a Stribeck law at far higher speeds it says nothing.
     assert max(line[0, 1] / told[0, 1], line[1, 0] / told[1, 0]) > 10.0
     assert (asks.refitted(track, lambda: True).d == line).all(), "there is no time for a refit"
+
+
+def test_of_rivals_that_are_asked_for_the_one_that_cannot_be_fitted_is_named(
+    alike: kc.LearningResult, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fit(story: object, wanted: tuple[str, ...]) -> object:
+        if "backlash" in wanted:
+            raise kc.InputError("effect 'backlash': explains too little of it to be followed")
+        return story
+
+    monkeypatch.setattr(contenders_module, "_fit", fit)
+    with pytest.raises(kc.InputError, match=r"^rivals: stribeck\+backlash: effect 'backlash': explains"):
+        contenders(alike, ["base", "stribeck+backlash"])

@@ -33,7 +33,7 @@ def contenders(story: LearningResult, asked: Sequence[str]) -> tuple[Rival, ...]
     if asked:
         check_rivals(asked, story.model.coordinate)
         sets = [_parsed(one, story) for one in asked]
-        return tuple(Rival(one, _fit(story, one)) for one in sets)
+        return tuple(Rival(one, _asked(story, one)) for one in sets)
     found = story.found
     others = [_instead(found, added, other) for added, other in untold(story.ladder)]
     if not others:
@@ -101,6 +101,14 @@ def _parsed(text: str, story: LearningResult) -> tuple[str, ...]:
     if there := [one for one in names if one in base]:
         raise InputError(f"rivals: {', '.join(there)}: is part of the base model; name what is beyond it")
     return names
+
+
+def _asked(story: LearningResult, wanted: Sequence[str]) -> Fit:
+    """Return the fit of a rival that is asked for; of one that has none it is said which."""
+    try:
+        return _fit(story, wanted)
+    except InputError as error:
+        raise InputError(f"rivals: {'+'.join(wanted) or BASE}: {error}") from None
 
 
 def _fit(story: LearningResult, wanted: Sequence[str]) -> Fit:

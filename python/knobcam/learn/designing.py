@@ -37,12 +37,10 @@ _TRIES = 500
 """Motions weighed beyond those that a search begins with, the same ones however quick the machine."""
 _CHANGE_S = 3.0  # for all limits that might be wider, together
 _CHANGE_TRIES = 30
-_KEPT = 5
-_FINALISTS = 4
+_KEPT, _FINALISTS = 5, 4
 _SHORTEST = 64  # samples, fewer than which no filter takes
 _NOTHING = 1.0  # variance of the noise: what tells no more of any pair tells nothing
-_EASE = 0.75
-_EASINGS = 12
+_EASE, _EASINGS = 0.75, 12
 _FASTER = 2.0, 5.0
 _MORE, _PLENTY = 1.2, 2.0 * ENOUGH
 """A search goes on from enough to so much more than the best standard motion tells, but not beyond this."""
@@ -311,11 +309,7 @@ class _Design:
 
     @cached_property
     def _doubt(self) -> float:
-        """How much more torque rivals may ask for than as fitted.
-
-        A search up to the limit of what is fitted finds motions that have to be made small at last, when
-        little is left of what they tell.
-        """
+        """How much more torque rivals may ask for than as fitted: what is found is made smaller by it."""
         track = plan(bank()[0], self.limits, 1.0).track(self._search_hz())
         fitted, drawn = (self.telling.peak(track, draws=draws) for draws in (False, True))
         return drawn / fitted if fitted > 0.0 else 1.0
@@ -333,13 +327,18 @@ class _Design:
     def none(self) -> NoMotion:
         """Return what is said where no motion is within the limits: which of them is at fault."""
         limits, limit, least = self.limits, "duration_s", 0.0
-        gentle = (plan(one, limits, _EASE ** (_EASINGS - 1)).track(self._search_hz()) for one in bank())
+        gentle, whole = (
+            [plan(one, limits, eased).track(self._search_hz()) for one in bank()]
+            for eased in (_EASE ** (_EASINGS - 1), 1.0)
+        )
         moving = [one for one in gentle if one.omega.any() and limits.hold(one)]
         able = [one for one in moving if len(one.theta) >= _SHORTEST]
         if self.by_hand and replace(self, by_hand=False).moves():
             fault = f"{limits.duration_s:.4g} is too short, or the angles too near, for a hand"
         elif not able:
             fault = f"{limits.duration_s:.4g} is too short for any motion at {limits.omega_rad_s:.4g} rad/s"
+        elif lost := self.telling.lost(max(whole, key=lambda one: float(np.max(np.abs(one.omega))))):
+            return NoMotion(f"rivals: {lost}; name others", None)
         elif (least := min(self.telling.peak(one, draws=True) for one in able)) > limits.torque_Nm:
             fault = f"{limits.torque_Nm:.4g} moves no rival, the gentlest motion takes {least:.3g}"
             limit = "torque_Nm"

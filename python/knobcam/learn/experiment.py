@@ -183,7 +183,7 @@ class Experiment(showing.Tabled):
 
     def _changed(self) -> str:
         if self.change is None:
-            return ", and no wider limit that was tried helps: on any motion they are nearly the same."
+            return ", and no limit that alone is made up to five times as wide helps."
         limit, to, d = self.change
         return f". With {limit} = {to:.4g} it would be {d:.3g}."
 

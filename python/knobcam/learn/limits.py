@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 LONGEST_S = 10.0
 MOST_S = 600.0
 """No motion takes longer."""
+_MOST_SAMPLES = 10_000_000  # of a motion: every rival is followed over all of them, several times
 _NUMBERS = (
     *("torque_Nm", "omega_rad_s", "alpha_rad_s2", "theta_min_rad", "theta_max_rad"),
     *("duration_s", "sample_rate_hz"),
@@ -79,7 +80,7 @@ class Limits:
             most("alpha"),
             float(np.min(theta)),
             float(np.max(theta)),
-            duration_s=duration_s,
+            duration_s=min(duration_s, _MOST_SAMPLES / prepared[0].core.rate_hz),
             sample_rate_hz=prepared[0].core.rate_hz,
             coordinate=prepared[0].capture.coordinate,
         )
@@ -116,11 +117,18 @@ class Limits:
         prepared: Sequence[Prepared],
         duration_s: float = LONGEST_S,
     ) -> Limits:
-        """Return limits that are given, as they are or in a file, beside what captures reached."""
-        if isinstance(given, Limits):
-            return given
-        usual = cls.reached(prepared, duration_s)
-        return usual if given is None else cls.load(given, usual)
+        """Return limits that are given, as they are or in a file, beside what captures reached.
+
+        Raises InputError for more samples than a motion is designed with.
+        """
+        limits = given if isinstance(given, Limits) else cls.reached(prepared, duration_s)
+        if given is not None and not isinstance(given, Limits):
+            limits = cls.load(given, limits)
+        samples = limits.duration_s * limits.sample_rate_hz
+        if samples > _MOST_SAMPLES:
+            many = f"{limits.duration_s:.6g} s at {limits.sample_rate_hz:.6g} Hz are {samples:.2g} samples"
+            raise InputError(f"limits, duration_s: {many}; give at most {_MOST_SAMPLES:.0e}")
+        return limits
 
     @property
     def numbers(self) -> dict[str, float]:

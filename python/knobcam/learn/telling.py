@@ -169,13 +169,30 @@ class Telling:
         return exact(self.coordinate, track, {"torque_edge_hz": edge}, torque, known)
 
     def peak(self, track: MotionTrack, *, draws: bool) -> float:
-        """Return the largest torque that any rival asks for, N m, with a margin for what is not known."""
+        """Return the largest torque that any rival asks for, N m, with a margin for what is not known.
+
+        Without end where one cannot be followed: no number says what it asks for.
+        """
         still = self.signals(track, every=True)
         most = 0.0
         for models in self.mechanics:
             for model in models if draws else models[:1]:
-                most = max(most, float(np.max(np.abs(model.core.torque(still, filtered=False)))))
+                asked = float(np.max(np.abs(model.core.torque(still, filtered=False))))
+                most = max(most, asked) if math.isfinite(asked) else math.inf
         return _MARGIN * most
+
+    def lost(self, track: MotionTrack) -> str:
+        """Return which rival cannot be weighed on a motion that sensors tell of, and why; or nothing."""
+        try:
+            made = self.signals(track)
+        except InputError:
+            return ""
+        for one in self.rivals:
+            try:
+                one.fit.core.expected(made, self.white)
+            except InputError as error:
+                return f"{one.name}: {error}"
+        return ""
 
     def evidence(self, track: MotionTrack, rate_hz: float | None = None) -> Told:
         """Return D of a row's model beside a column's, and how much dearer each becomes.
