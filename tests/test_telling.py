@@ -15,6 +15,7 @@ from knobcam.fit.rule import RULE
 from knobcam.learn import contenders as contenders_module
 from knobcam.learn import telling
 from knobcam.learn.contenders import contenders
+from knobcam.learn.motion_space import Piece, plan
 from knobcam.learn.telling import TOLD, Rival, Telling, Told, wrong_choice
 
 RIVALS = tuple(
@@ -143,3 +144,17 @@ def test_of_rivals_that_are_asked_for_the_one_that_cannot_be_fitted_is_named(
     monkeypatch.setattr(contenders_module, "_fit", fit)
     with pytest.raises(kc.InputError, match=r"^rivals: stribeck\+backlash: effect 'backlash': explains"):
         contenders(alike, ["base", "stribeck+backlash"])
+
+
+def test_of_a_motion_as_many_samples_count_as_of_a_recording_of_it() -> None:
+    # To and fro: what lies about each of the reversals counts in no capture.
+    first = kc.fit(kc.simulate("knob4", "sweep", duration_s=3.0, seed=1))
+    asks = Telling((Rival((), first),))
+    for size in (0.15, 1.0):
+        made = plan((Piece("passes", (size, 1.0, 0.5, 1.0, 0.5), 1.0),), kc.Limits.reached(first.prepared))
+        track = made.track(5000.0)
+        recorded = kc.fit(kc.simulate(first.model, track, seed=3), first.model).prepared[0].core.used
+        assert recorded < 0.99 * len(track.t)
+        lost, thinned = (len(one.t) - asks.signals(one).used for one in (track, made.track(1250.0)))
+        assert lost == pytest.approx(len(track.t) - recorded, rel=0.2)
+        assert 4 * thinned == pytest.approx(lost, rel=0.2), "what a search looks at is as much"

@@ -19,6 +19,7 @@ import numpy as np
 
 from .. import _core
 from ..base.said import OfEffect, Said, joined
+from ..capture.motions import MotionTrack
 from ..errors import InputError
 from ..fit.doubts import white_variance
 from ..fit.price import charged, count
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
 
     from ..base.arrays import FloatArray
     from ..capture.formats.units import Coordinate
-    from ..capture.motions import MotionTrack
     from ..fit import Fit
 
 TOLD = 10.8
@@ -45,6 +45,8 @@ _DRAWS = 6
 _BEYOND = 2.0  # standard deviations by which a draw may be worse than its covariance says
 _NEARER = 8
 _SURE = 3.0  # standard deviations of a speed from which on its sign is known
+_LONG = 4096  # samples, of which no filter takes the ends for all
+_MOSTLY = 0.75  # of a motion: where less would count, what the filter spreads does
 _IMITATED = (
     0.1  # of the D the other way: what a model leaves that contains another but for what it has to learn
 )
@@ -156,17 +158,33 @@ class Telling:
             left += float(np.sum(rest**2))
         return left
 
+    @cached_property
+    def reach_s(self) -> float:
+        """How far to either side of a direction that is not sure samples of a capture do not count."""
+        rate = self.rivals[0].fit.prepared[0].core.rate_hz
+        t = np.arange(_LONG) / rate
+        omega = np.where(t == t[_LONG // 2], 0.0, 1.0)
+        still = exact(self.coordinate, MotionTrack(t, t, omega, np.zeros(_LONG)), self._filter(rate))
+        return 0.5 * (_LONG - 1 - still.used) / rate
+
+    def _filter(self, rate_hz: float) -> dict[str, float]:
+        return {"torque_edge_hz": min(self.edge_hz or _EDGE * rate_hz, 0.45 * rate_hz)}
+
     def signals(
         self, track: MotionTrack, torque: FloatArray | None = None, *, every: bool = False
     ) -> _core.Signals:
         """Return the signals of a motion that is known exactly, with this torque (or none) behind the filter.
 
-        Where the sensors would not know which way it goes, nothing counts, unless `every` sample does. Raises
-        InputError for a motion of which too little is left.
+        Where the sensors would not know which way it goes, nothing counts, nor what that reaches through the
+        filter, as in a capture, unless `every` sample does. Raises InputError for a motion of which too
+        little is left.
         """
-        known = (np.abs(track.omega) > _SURE * self.omega_sd) | every
-        edge = min(self.edge_hz or _EDGE * track.rate_hz, 0.45 * track.rate_hz)
-        return exact(self.coordinate, track, {"torque_edge_hz": edge}, torque, known)
+        known = np.abs(track.omega) > _SURE * self.omega_sd
+        if not (every or known.all()):
+            reach = round(self.reach_s * track.rate_hz)
+            sure = np.convolve(~known, np.ones(2 * reach + 1), "same") < 0.5
+            known = sure if np.mean(sure) >= _MOSTLY else known
+        return exact(self.coordinate, track, self._filter(track.rate_hz), torque, known | every)
 
     def peak(self, track: MotionTrack, *, draws: bool) -> float:
         """Return the largest torque that any rival asks for, N m, with a margin for what is not known.
