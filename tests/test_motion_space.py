@@ -13,6 +13,7 @@ import pytest
 
 from knobcam.capture.motion_plan import MotionPlan, Move, Rest, Waves
 from knobcam.errors import InputError
+from knobcam.learn import designing
 from knobcam.learn import motion_space as space
 from knobcam.learn.limits import Limits
 from knobcam.learn.motion_space import Piece, changed, plan, standard
@@ -245,3 +246,37 @@ def test_motions_of_a_slide_are_told_in_metres_and_one_move_is_no_plural():
         slide.with_some({"coordinate": "linear"})
     _, words = made("rests", 0.2, 0.2, 0.5, 0.2, 0.0)
     assert words == "one move at 0.0575 rad/s"
+
+
+def test_the_motion_is_the_one_that_refits_say_most_of_whichever_the_line_had_first() -> None:
+    motions = [plan((Piece(kind, (0.5,) * 5, 1.0),), LIMITS) for kind in ("passes", "loops", "rests")]
+    pairs = [(one, one.track(1000.0)) for one in motions]
+    asked: list[int] = []
+
+    def chosen(*each: float, over: bool = False) -> int:
+        asked.clear()
+        tells = {len(track.t): d for (_, track), d in zip(pairs, each, strict=True)}
+        assert len(tells) == len(pairs)
+
+        def refitted(track: Any, over: Any) -> Told:
+            asked.append(len(track.t))
+            return Told(np.full((2, 2), tells[len(track.t)]), np.zeros(2))
+
+        asks: Any = SimpleNamespace(rivals=(0, 1), refitted=refitted)
+        asks.pairs = lambda told: [float(told.d[1, 0])]
+        asks.least = lambda told: float(told.d[1, 0])
+        best, _, told = designing._Design(asks, LIMITS, None)._chosen(pairs, lambda: over)
+        assert told.d[1, 0] == each[motions.index(best)]
+        return motions.index(best)
+
+    assert chosen(3.0, 20.0, 12.0) == 1 and len(asked) == 3
+    assert chosen(3.0, 20.0, 12.0, over=True) == 0 and len(asked) == 1, "there is no time for others"
+    assert chosen(50.0, 60.0, 70.0) == 0 and len(asked) == 1, "one that tells enough ends it"
+
+
+def test_of_motions_that_are_looked_at_last_no_two_are_of_one_kind() -> None:
+    def scored(score: float, *kinds: str) -> Any:
+        return designing._Scored(score, 0.0, 0.0, tuple(Piece(kind, (score,) * 5, 1.0) for kind in kinds))
+
+    every = [scored(4.0, "waves"), scored(5.0, "loops"), scored(6.0, "loops"), scored(3.0, "loops", "waves")]
+    assert [one[0].numbers[0] for one in designing._best(every)] == [6.0, 4.0, 3.0]

@@ -32,7 +32,7 @@ STANDARD = ("sweep", "multisine", "turns", "hand")
 """The motions that a designed one is held against."""
 SEARCH = "looking for the motion"
 """What is said of the search, which is by far the longest."""
-_SEARCH_S = 4.0  # at most: where motions take long to weigh, or the machine is slow
+_SEARCH_S = 3.0  # at most: where motions take long to weigh, or the machine is slow
 _TRIES = 500
 """Motions weighed beyond those that a search begins with, the same ones however quick the machine."""
 _CHANGE_S = 3.0  # for all limits that might be wider, together
@@ -188,11 +188,7 @@ class _Design:
     def _chosen(
         self, motions: Sequence[tuple[MotionPlan, MotionTrack]], over: Callable[[], bool]
     ) -> tuple[MotionPlan, MotionTrack, Told]:
-        """Return the best of the last motions, and what it tells where rivals are refitted to it.
-
-        The first is the best by the straight line; the others are looked at where that one does not tell
-        enough, as far as there is time.
-        """
+        """Return the best of the last motions by refits and what it tells; more than the first if need be."""
         if self.param is not None:
             rated = [(*one, *self._told(one[0].track(self._search_hz()))) for one in motions]
             return max(rated, key=lambda one: one[3])[:3]
@@ -246,10 +242,13 @@ class _Design:
         return True
 
     def _best_usual(self, over: Callable[[], bool]) -> Told | None:
-        """What the best of the standard motions tells, refitted to it as to the motion that is chosen."""
-        rated = [(one, self._told(one)[1]) for one in self._standard(self.limits.sample_rate_hz)]
-        best, rate = max(rated, key=lambda one: one[1], default=(None, -math.inf))
-        return None if best is None or rate == -math.inf else self.telling.refitted(best, over)
+        """What the best of the standard motions tells, refitted as to the one chosen if there is time."""
+        rated = [self._told(one) for one in self._standard(self._search_hz())]
+        at = max(range(len(rated)), key=lambda at: rated[at][1], default=-1)
+        if at < 0 or rated[at][1] == -math.inf:
+            return None
+        whole = [] if over() else self._standard(self.limits.sample_rate_hz)
+        return self.telling.refitted(whole[at], over) if len(whole) == len(rated) else rated[at][0]
 
     @property
     def _plenty(self) -> float:

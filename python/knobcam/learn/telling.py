@@ -2,9 +2,9 @@
 
 D is what a refit of one rival, with what the data so far say of its parameters, would leave of the torque
 that another predicts, in variances of the noise: r' (Sigma + J V J')^-1 r (Atkinson & Fedorov 1975;
-Buzzi-Ferraris & Forzatti 1983), behind the measurement filter. The expected logarithm of the Bayes factor is
-D/2, and the choice is wrong with the probability Phi(-sqrt(D)/2). Of a pair that captures leave tied D says
-how seldom it is with what they say already.
+Buzzi-Ferraris & Forzatti 1983), behind the measurement filter; of the motion that is chosen it is the refit
+itself. The expected logarithm of the Bayes factor is D/2, and the choice is wrong with the probability
+Phi(-sqrt(D)/2). Of a pair that captures leave tied D says how seldom it is with what they say already.
 """
 
 from __future__ import annotations
