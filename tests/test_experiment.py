@@ -267,6 +267,12 @@ def test_of_limits_that_no_motion_keeps_the_one_that_is_at_fault_is_named(
     assert str(refusal.value).startswith(said)
 
 
+def test_of_a_slide_what_is_too_short_is_said_in_its_own_unit(weak: kc.LearningResult) -> None:
+    slide = dataclasses.replace(Limits.reached(weak.fit.prepared), duration_s=0.01, coordinate="linear")
+    with pytest.raises(kc.InputError, match=r"too short for any motion at [\d.]+ m/s; give more"):
+        design((Rival((), weak.fit),), slide)
+
+
 def test_of_a_rival_that_runs_away_that_is_said_and_no_limit_is_blamed_for_it(
     weak: kc.LearningResult,
 ) -> None:
