@@ -335,7 +335,8 @@ class _Design:
         if self.by_hand and replace(self, by_hand=False).moves():
             fault = f"{limits.duration_s:.4g} is too short, or the angles too near, for a hand"
         elif not able:
-            fault = f"{limits.duration_s:.4g} is too short for any motion at {limits.omega_rad_s:.4g} {limits.unit}/s"
+            speed = f"{limits.omega_rad_s:.4g} {limits.unit}/s"
+            fault = f"{limits.duration_s:.4g} is too short for any motion at {speed}"
         elif lost := self.telling.lost(max(whole, key=lambda one: float(np.max(np.abs(one.omega))))):
             return NoMotion(f"rivals: {lost}; name others", None)
         elif (least := min(self.telling.peak(one, draws=True) for one in able)) > limits.torque_Nm:
