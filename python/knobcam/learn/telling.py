@@ -249,8 +249,11 @@ class Telling:
         return told
 
     def _left_by(self, fit: Fit, made: _core.Signals) -> float:
-        """Return how much more a refit to captures and a motion leaves than of the captures, by the noise."""
-        both = _core.refine([*cores(fit), made], fit.core.model, False)
+        """Return how much more a refit to captures and a motion leaves than of the captures, by the noise.
+
+        As `fit` does it: over a longer way detents need another period than one that is refined is led to.
+        """
+        both = _core.fit([*cores(fit), made], fit.core.model, False)
         before = sum(one.core.used for one in fit.prepared)
         more = both.rmse**2 * (before + made.used) - fit.core.rmse**2 * before
         return max(more / self.white, 0.0)
