@@ -11,7 +11,7 @@ from ..base import pages
 from ..base.remembered import remembered
 from ..base.said import OfEffect, OfParam, Said, joined, said
 from ..errors import InputError
-from ..fit.doubts import may_be_nothing, unsettled
+from ..fit.doubts import may_be_nothing, said_once, unsettled
 from ..fit.plausible import out_of_range
 from ..learn import LearningResult
 from ..learn.contenders import untold_of_each
@@ -367,22 +367,9 @@ def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, story: Lear
         return joined(" ", (vain, size, beyond and beyond.sentence))
     # An error like chance's is no proof of a model that no knob can have.
     warned = diagnosis.fit.warnings if compared.complete else ()
-    against = joined("; ", _said_once(warned)) if warned else ""
+    against = joined("; ", said_once(warned)) if warned else ""
     but = said("But {warnings}.", warnings=against) if against else ""
     return joined(" ", (vain, story.left, but))
-
-
-def _said_once(warnings: Sequence[str]) -> list[str]:
-    """Return warnings of which those that say the same of another parameter name that alone."""
-    told: list[str] = []
-    known: set[str] = set()
-    for warning in warnings:
-        first, *rest = warning.parts if isinstance(warning, Said) else (warning,)
-        same = "".join(map(str, rest))
-        alike = isinstance(first, OfParam) and same in known
-        told.append(said("so is {param}", param=first) if alike else warning)
-        known.add(same)
-    return told
 
 
 def _in_vain(effects: list[str]) -> Said | None:
