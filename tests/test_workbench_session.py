@@ -313,6 +313,29 @@ def test_two_hidden_effects_leave_the_noise_alone_whichever_is_added_first(tmp_p
         assert record["again"] == (first if first == "stribeck" else None)
 
 
+def test_detents_that_show_beside_two_effects_alone_come_along_as_they_do_in_a_search(tmp_path: Path) -> None:
+    knob, hidden, seed = next(one for one in challenge.levels()["hard"] if one[0] == "knob3")
+    path = Simulated(knob, hidden, "sweep", challenge.SECONDS, seed).capture().save(tmp_path / "knob.npz")
+    at_once = kc.learn(path).fit
+    assert "detent" in at_once.model.effects
+    for order in (hidden, hidden[::-1]):
+        session = Session()
+        session.open(str(path))
+        session.add(order[0])
+        assert "detent" not in session.node.fit.model.effects
+        session.add(order[1])
+        fit = session.node.fit
+        assert fit.rmse == pytest.approx(at_once.rmse, rel=1e-6) and fit.compare().complete
+        (*_, step) = told(session)["branches"][0]["steps"]
+        assert (step["added"], step["along"]) == (order[1], ["detent"])
+        script = saving.save(session, "script", tmp_path / f"{order[0]}.py", quiet)
+        assert runpy.run_path(str(script))["fit"].model.text() == fit.model.text()
+    # Whoever takes them out has no detents, whatever comes in next.
+    session.drop("detent")
+    session.add("offset")
+    assert "detent" not in session.node.fit.model.effects
+
+
 def test_a_session_starts_from_a_model_and_its_script_does_too(recording: Path, tmp_path: Path, capsys):
     path = kc.Model.load("knob4").with_effect("quadratic_drag").save(tmp_path / "start.toml")
     start = Start(kc.Model.load(path), str(path), {"prepare": "paper", "torque_edge_hz": 400.0})

@@ -105,8 +105,9 @@
 /**
  * A fit on the way of a branch; `anew` of a model of its own, not that of the step before.
  *
+ * `along` is what came in by itself beside what was `added`.
  * `noise_floor`, where it is known, is read from what the model leaves too: it may fall with that.
- * @typedef {{node: string, anew: boolean, added: string | null, dropped: string[], rmse: number,
+ * @typedef {{node: string, anew: boolean, added: string | null, along: string[], dropped: string[], rmse: number,
  *   rmse_heldout: number | null, noise_floor: number | null, captures: string[]}} Step
  */
 

@@ -45,12 +45,14 @@ class CaptureInfo(TypedDict):
 class Step(TypedDict):
     """A fit on the way of a branch; `anew` of a model of its own, not that of the step before.
 
+    `along` is what came in by itself beside what was `added`.
     `noise_floor`, where it is known, is read from what the model leaves too: it may fall with that.
     """
 
     node: str
     anew: bool
     added: str | None
+    along: list[str]
     dropped: list[str]
     rmse: float
     rmse_heldout: float | None

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from ..model.effects import Effect
     from .designed import Designed
     from .session import Session
-    from .tree import Branch, Opened
+    from .tree import Branch, Node, Opened
     from .view import View
 
 SCHEMA = "knobcam.workbench/1"
@@ -256,6 +256,7 @@ def _branch(branch: Branch) -> pages.Branch:
                 "node": node.id,
                 "anew": node.how == "fitted" and not node.onward,
                 "added": node.effect if node.how == "added" else None,
+                "along": _along(node, before),
                 "dropped": [
                     *node.also_dropped,
                     *([node.effect] if node.how == "dropped" and node.effect else []),
@@ -265,9 +266,17 @@ def _branch(branch: Branch) -> pages.Branch:
                 "noise_floor": node.fit.noise_floor,
                 "captures": list(node.captures),
             }
-            for node in branch.steps
+            for before, node in zip([None, *branch.steps], branch.steps, strict=False)
         ],
     }
+
+
+def _along(node: Node, before: Node | None) -> list[str]:
+    """Return what came in by itself with an effect, whether one by one or in a search."""
+    if node.how != "added" or before is None:
+        return []
+    there = {*before.fit.model.effects, node.effect}
+    return [one for one in node.fit.model.effects if one not in there]
 
 
 def _parameters(view: View, estimates: Mapping[str, Estimate]) -> list[pages.Param]:

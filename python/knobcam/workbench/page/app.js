@@ -118,8 +118,8 @@ function named(words4, id) {
 function listed(effects, between3) {
   return effects.flatMap((effect, at) => [at > 0 ? between3 : "", named(titleOf(effect), effect)]);
 }
-function changeOf(added, dropped) {
-  const came = added ? [`+ ${titleOf(added)}`] : [];
+function changeOf({ added, along, dropped }) {
+  const came = added ? [`+ ${[titleOf(added), ...along.map(titleOf)].join(" with ")}`] : [];
   return [...came, ...dropped.map((one) => `− ${titleOf(one)}`)].join(" ");
 }
 
@@ -197,7 +197,7 @@ function showBranches(place4, state, beside2, deeds) {
     const done = steps.slice(0, at + 1);
     const own = done.slice(done.findLastIndex(({ anew }) => anew));
     const changed = own.filter(({ added, dropped }) => added || dropped.length > 0);
-    const changes = changed.map(({ added, dropped }) => changeOf(added, dropped));
+    const changes = changed.map(changeOf);
     const words4 = changes.join(" ") || "nothing added";
     const card = make(
       "button",
@@ -2263,10 +2263,10 @@ function showLadder(place4, state) {
   const widest = Math.max(...errors.map((error) => error ?? 0), ...steps.map((step) => step.noise_floor ?? 0)) * 1.02;
   const scale = torqueScale(state);
   const shown2 = (value) => figure(value === null ? null : value * scale.factor);
-  const lines = steps.map(({ added, dropped, rmse, rmse_heldout, noise_floor }, at) => {
+  const lines = steps.map(({ added, along, dropped, rmse, rmse_heldout, noise_floor }, at) => {
     const now = at === here;
     const undone = at > here;
-    const label = changeOf(added, dropped) || (at === 0 ? "first model" : "fitted anew");
+    const label = changeOf({ added, along, dropped }) || (at === 0 ? "first model" : "fitted anew");
     const bar2 = make("span", { class: "bar" });
     const held = make("span", { class: "held" });
     bar2.style.width = `${100 * rmse / widest}%`;
@@ -2276,7 +2276,7 @@ function showLadder(place4, state) {
     return make(
       "li",
       { class: `ladder-line${now ? " now" : ""}${undone ? " undone" : ""}`, "aria-current": now ? "step" : null },
-      make("span", { class: "label", text: label, title: [added, ...dropped].filter(Boolean).join(", ") || label }),
+      make("span", { class: "label", text: label, title: [added, ...along, ...dropped].filter(Boolean).join(", ") || label }),
       make("span", { class: "figure", text: shown2(rmse), title: "RMS error" }),
       make("span", { class: "figure soft", text: shown2(rmse_heldout), title: "on blocks that the fit did not see" }),
       track
@@ -2301,7 +2301,7 @@ function sameCaptures(steps, at) {
   return { steps: steps.slice(first, end), at: at - first };
 }
 function broughtAlong({ steps, at }, carried) {
-  const brought = carried.map((one) => ({ ...steps[0], dropped: [], ...one }));
+  const brought = carried.map((one) => ({ ...steps[0], along: [], dropped: [], ...one }));
   return brought.length > 1 ? { steps: [...brought, ...steps.slice(1)], at: at + brought.length - 1 } : { steps, at };
 }
 function floorWords(steps, here, shown2) {
