@@ -140,10 +140,15 @@
  */
 
 /**
- * An effect of the catalogue, in words.
+ * Parameters of a law that mean the same, and what that is.
+ * @typedef {{names: string[], meaning: string, unit: string}} Letters
+ */
+
+/**
+ * An effect of the catalogue, in words; `letters` are those of its law.
  * @typedef {{effect: string, place: string, law: string, source: string, shows: string, confused: string[],
- *   title: string, name: string, about: string, causes: string[], remedies: string[], latex: string, over: string,
- *   section: string | null, friction: boolean}} Effect
+ *   title: string, name: string, about: string, causes: string[], remedies: string[], latex: string,
+ *   letters: Letters[], over: string, section: string | null, friction: boolean}} Effect
  */
 
 /**
@@ -156,8 +161,8 @@
  *
  * `unsettled` says which of its values are not determined, where that is most of them.
  * @typedef {{effect: string, place: string, law: string, source: string, shows: string, confused: string[],
- *   title: string, name: string, about: string, causes: string[], remedies: string[], latex: string, over: string,
- *   section: string | null, friction: boolean,
+ *   title: string, name: string, about: string, causes: string[], remedies: string[], latex: string,
+ *   letters: Letters[], over: string, section: string | null, friction: boolean,
  *   word: "missing" | "part" | "alike" | "less" | "implausible" | "too_little" | "unpaid" | "chance" | "untold",
  *   said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   could_be: boolean, beyond_chance: boolean, p_value: number, error_fall: number, rmse_heldout: number | null,

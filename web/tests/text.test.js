@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { limits, tickWords } from "../src/axes.js";
-import { factorOf } from "../src/curve.js";
+import { factorOf, lettered } from "../src/curve.js";
 import { enoughWords, limitWords, ofLimits } from "../src/evidence.js";
 import { latest } from "../src/latest.js";
 import { momentWords } from "../src/acting.js";
@@ -15,6 +15,11 @@ test("a tick has no more digits than it needs, and a curve is over what a person
   assert.deepEqual([5e-5, -1e-4, 1.25e-7, 0, 0.25, 150].map(tickWords), ["5e−5", "−1e−4", "1.25e−7", "0", "0.25", "150"]);
   assert.equal(factorOf("alpha"), "acceleration");
   assert.equal(factorOf("sign(omega)"), "(sign(omega))");
+});
+
+test("what a law is of has its letter, of what slides another", () => {
+  assert.equal(lettered(["omega", "theta"], { coordinate: "rotary" }), "velocity ω, position θ");
+  assert.equal(lettered(["omega", "load"], { coordinate: "linear" }), "velocity v, modelled torque");
 });
 
 test("numbers have a true minus and as many digits as they need", () => {

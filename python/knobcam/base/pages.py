@@ -109,8 +109,16 @@ class Together(TypedDict):
     correlation: float
 
 
+class Letters(TypedDict):
+    """Parameters of a law that mean the same, and what that is."""
+
+    names: list[str]
+    meaning: str
+    unit: str
+
+
 class Effect(TypedDict):
-    """An effect of the catalogue, in words."""
+    """An effect of the catalogue, in words; `letters` are those of its law."""
 
     effect: str
     place: str
@@ -124,6 +132,7 @@ class Effect(TypedDict):
     causes: list[str]
     remedies: list[str]
     latex: str
+    letters: list[Letters]
     over: str
     section: str | None
     friction: bool

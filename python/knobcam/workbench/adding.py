@@ -28,9 +28,9 @@ if TYPE_CHECKING:
 
 
 def add(session: Session, effect: str, tell: Tell) -> None:
-    """Add an effect and fit anew; detents that nobody asked for come where they show beside it, as in a search.
+    """Add an effect and fit anew; detents come along where they show beside it, as in a search.
 
-    And go where it makes them needless.
+    Detents that nobody asked for go where it makes them needless.
 
     Raises InputError for an effect that the model cannot be given.
     """

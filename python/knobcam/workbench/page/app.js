@@ -920,6 +920,26 @@ function lawOf({ latex, law }) {
   const typed = typeset(latex || (latexOf(law) ?? ""));
   return typed ? make("div", { class: "formula" }, typed) : make("code", { class: "formula", text: law });
 }
+var WRITTEN2 = {
+  ...{ rise: "r", vs: "v_s", dv: "\\Delta v", gap: "g", lag: "T", tau: "T", delay: "t_d", limit: "\\tau_{\\max}", noise: "\\sigma" },
+  ...{ lo: "\\theta_{\\text{lo}}", hi: "\\theta_{\\text{hi}}", k_lo: "k_{\\text{lo}}", k_hi: "k_{\\text{hi}}", D_neg: "D_{-}", D_pos: "D_{+}" }
+};
+function letterOf(name2, latex) {
+  const written = letter(name2);
+  const [turns] = /^\\(theta|tau)/.exec(written) ?? [];
+  return turns && !latex.includes(turns) ? written.replace(turns, turns === "\\tau" ? "F" : "x") : written;
+}
+function letter(name2) {
+  if (name2 in WRITTEN2) return WRITTEN2[name2];
+  const [, base, index] = /^([A-Za-z]|alpha|delta|theta|mu|tau|phi)(?:_?(\d+|theta|alpha))?$/.exec(name2) ?? [];
+  if (!base) return `\\text{${name2}}`;
+  const sign = (word) => word === "phi" ? "\\varphi" : word in SIGNS ? `\\${word}` : word;
+  return index ? `${sign(base)}_{${sign(index)}}` : sign(base);
+}
+function lettersOf(names, latex) {
+  const [first, last] = [names[0], names[names.length - 1]].map((name2) => letterOf(name2, latex));
+  return make("span", {}, typeset(first) ?? names[0], ...names.length > 1 ? [" … ", typeset(last) ?? last] : []);
+}
 function parsed(latex) {
   const tokens = latex.match(/\\[A-Za-z]+|\\.|[0-9.]+|\s+|[^\s]/g) ?? [];
   try {
@@ -1113,6 +1133,7 @@ function showUntold(place4, { untold, needless }, apart2, drop) {
 // src/candidates.js
 var NOTHING = "No effect that was weighed explains enough of what is left.";
 var NO_MORE = "Nothing that was weighed is still missing.";
+var FEW3 = 4;
 var NAMED = 0.01;
 var ALONE = "Weighed one at a time; Find everything weighs sets too, from the first model on, and may end elsewhere.";
 var Candidates = class {
@@ -1200,7 +1221,7 @@ var Candidates = class {
       make("span", { class: "figure", text: percent(-Math.max(0, row.error_fall)), title: "fall of the RMS error" }),
       make("span", { class: "deeds" }, this.deeds.about ? what : null, take),
       make("span", { class: "alike", text: row.name }),
-      row.could_be ? make("span", { class: "alike law-of" }, lawOf(row)) : null,
+      ...row.could_be ? [make("span", { class: "alike law-of" }, lawOf(row)), meant(row)] : [],
       make("span", { class: "evidence soft", text: evidence(row, about2) }),
       this.untold(row),
       ...remarks(row).map((words4) => make("span", { class: "alike soft" }, ...words4)),
@@ -1270,6 +1291,10 @@ function outWords(rows) {
 function evidence(row, about2) {
   const chance = row.p_value <= 1e-3 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
   return `${sentence(row.said, about2)} (${chance})`;
+}
+function meant({ letters, latex }) {
+  if (letters.length === 0 || letters.length > FEW3) return null;
+  return make("span", { class: "alike soft meant" }, ...letters.flatMap(({ names, meaning }, at) => [at > 0 ? "; " : "", lettersOf(names, latex), ` ${meaning}`]));
 }
 function remarks({ equivalent, confused, note }) {
   const others = confused.filter((effect) => !equivalent.includes(effect));
@@ -1672,6 +1697,7 @@ function about(effect, shown2) {
   byId("about-text").replaceChildren(
     make("p", { text: sentence2 }),
     lawOf(effect),
+    meanings2(effect),
     shown2 ? acting(effect, shown2) : "",
     make("div", { class: "columns-of-two" }, listed2("Usual causes", causes), listed2("What helps", remedies)),
     make("p", { class: "soft", text: `Acts on the ${PLACES[place4] ?? place4}. Shows ${shows}. Source: ${source}.` }),
@@ -1689,6 +1715,10 @@ function about(effect, shown2) {
     },
     (reason2) => frame.replaceChildren(make("p", { class: "wrong", text: wordsOf(reason2) }))
   );
+}
+function meanings2({ letters, latex }) {
+  const rows = letters.map(({ names, meaning, unit }) => make("li", {}, lettersOf(names, latex), ` ${meaning}`, unitWords(unit) ? `, ${unitWords(unit)}` : ""));
+  return rows.length > 0 ? make("ul", { class: "letters soft", "aria-label": "letters of the law" }, ...rows) : "";
 }
 function listed2(title, phrases) {
   if (phrases.length === 0) return null;
@@ -2465,6 +2495,12 @@ function overWords(over, about2) {
 function factorOf(times2) {
   return times2 in ALONG ? variableOf(times2) : `(${times2})`;
 }
+var TURNS = { t: "t", theta: "θ", omega: "ω", alpha: "α", s: "s" };
+var SLIDES = { ...TURNS, theta: "x", omega: "v", alpha: "dv/dt" };
+function lettered(variables, { coordinate }) {
+  const letters = coordinate === "linear" ? SLIDES : TURNS;
+  return variables.map((one) => one in letters ? `${variableOf(one)} ${letters[one]}` : variableOf(one)).join(", ");
+}
 function variableOf(variable) {
   const along = (
     /** @type {Record<string, import("./contents.js").Along>} */
@@ -2650,7 +2686,7 @@ var Laws = class {
   }
   /** @param {Law} row @param {number} number */
   item({ label, law, variables, words: words4, doubt, fall, start }, number3) {
-    const of = `over ${variables.map(variableOf).join(", ")}`;
+    const of = `over ${this.about ? lettered(variables, this.about) : ""}`;
     const edit = make("button", {
       ...{ type: "button", text: "Edit…", "aria-label": `edit law ${number3}`, title: "as a formula of your own" },
       on: { click: () => edited(law, start) }
@@ -2734,10 +2770,10 @@ function showLeft(left, { go, anew }) {
   const other = make("button", { type: "button", on: { click: anew } }, "Start anew");
   byId("left-rows").replaceChildren(...rows, make("li", {}, other));
 }
-var FEW3 = 2;
+var FEW4 = 2;
 function called({ captures }) {
-  const more = captures.length - FEW3;
-  return more > 1 ? `${captures.slice(0, FEW3).join(", ")} and ${more} more` : captures.join(", ");
+  const more = captures.length - FEW4;
+  return more > 1 ? `${captures.slice(0, FEW4).join(", ")} and ${more} more` : captures.join(", ");
 }
 function words3({ steps, ended, when }) {
   const at = when === null ? "" : ` ${new Date(1e3 * when).toLocaleString([], { dateStyle: "medium", timeStyle: "short" })}`;
@@ -3090,7 +3126,7 @@ function idle(work) {
 }
 
 // src/plot.js
-var FEW4 = 8e3;
+var FEW5 = 8e3;
 var FEW_CHOSEN = 20;
 var CLOUDS = 8;
 var AT_ONCE = 5e4;
@@ -3143,7 +3179,7 @@ var Plot = class {
     const inner = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom];
     const [columns, rows] = inner.map((length) => Math.max(8, Math.round(length * this.scale)));
     const part = { x: xAxis.part ?? false, y: yAxis.part ?? false };
-    const many = x.length > FEW4 && !(part.x && fewBetween(x, xAxis));
+    const many = x.length > FEW5 && !(part.x && fewBetween(x, xAxis));
     const dot2 = Math.max(1, Math.round((many ? 2 : 3) * this.scale));
     this.frame = { width: columns, height: rows, x: [xAxis.low, xAxis.high], y: [yAxis.low, yAxis.high], dot: dot2, part };
     this.pick = null;
@@ -3297,8 +3333,8 @@ var Plot = class {
 };
 function fewBetween(x, { low, high }) {
   let count = 0;
-  for (let i = 0; i < x.length && count <= FEW4; i++) if (x[i] >= low && x[i] <= high) count++;
-  return count <= FEW4;
+  for (let i = 0; i < x.length && count <= FEW5; i++) if (x[i] >= low && x[i] <= high) count++;
+  return count <= FEW5;
 }
 
 // src/settling.js
