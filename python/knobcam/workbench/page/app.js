@@ -134,6 +134,16 @@ function figure(value, digits = 3) {
   const size = Math.abs(Number((value ?? NaN).toPrecision(digits)));
   return value !== null && size >= 1e-3 && size < 10 ** digits ? value.toPrecision(digits).replaceAll("-", "−") : number(value, digits);
 }
+function asKnown(value, half) {
+  if (!(half > 0)) return number(value, 4);
+  const place4 = Math.floor(Math.log10(Number(half.toPrecision(2)))) - 1;
+  const size = Math.max(Math.abs(value), half);
+  const text = size < 1e-3 || size >= 1e5 ? value.toExponential(Math.max(0, Math.floor(Math.log10(Math.abs(value) || size)) - place4)) : fixed(value, place4);
+  return text.replaceAll("-", "−");
+}
+function fixed(value, place4) {
+  return place4 > 0 ? String(Math.round(value / 10 ** place4) * 10 ** place4) : value.toFixed(Math.min(12, -place4));
+}
 function plain(value, digits) {
   return String(Number(value.toPrecision(digits)));
 }
@@ -3417,8 +3427,8 @@ function zoomed([low, high], whole, at, factor2) {
   const all = whole[1] - whole[0];
   const span4 = Math.max(CLOSEST * all, factor2 * (high - low));
   if (!(span4 < all)) return null;
-  const fixed = low + at * (high - low);
-  return within2([fixed - at * span4, fixed + (1 - at) * span4], whole);
+  const fixed2 = low + at * (high - low);
+  return within2([fixed2 - at * span4, fixed2 + (1 - at) * span4], whole);
 }
 function panned([low, high], whole, share) {
   const step = share * (high - low);
@@ -4957,7 +4967,7 @@ var Params = class {
     for (const [at, param] of params.entries()) {
       const row = this.rows.get(param.name);
       if (!row) continue;
-      const shown2 = number(param.value * row.factor, 4);
+      const shown2 = param.dragged ? number(param.value * row.factor, 4) : asKnown(param.value * row.factor, halfOf(param) * row.factor);
       row.value.textContent = shown2;
       row.apart.textContent = apart(param);
       row.error.hidden = param.dragged;
@@ -5066,10 +5076,14 @@ function span3({ fitted, ci95, lower, upper }) {
   const reach2 = Math.max(Math.abs(fitted), half, 1e-9);
   return { low: Math.max(fitted - reach2, lower ?? -Infinity), high: Math.min(fitted + reach2, upper ?? Infinity) };
 }
+function halfOf({ ci95 }) {
+  return ci95 ? 0.5 * (ci95[1] - ci95[0]) : NaN;
+}
 function plusMinus({ ci95, role }, factor2 = 1) {
   if (role === "fixed") return "fixed";
   if (!ci95) return "± ?";
-  return ci95[1] > ci95[0] ? `± ${number(0.5 * factor2 * (ci95[1] - ci95[0]), 2)}` : "";
+  const half = factor2 * halfOf({ ci95 });
+  return half > 0 ? `± ${asKnown(half, half)}` : "";
 }
 function interval(ci95, { low, high }) {
   if (!ci95 || !(high > low)) return null;
