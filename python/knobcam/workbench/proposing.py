@@ -284,7 +284,8 @@ def doubt_of(params: Mapping[str, Estimate]) -> str:
 
 def _law(one: Proposal, front: bool, beside: Fit) -> pages.Law:
     coordinate = beside.model.coordinate
-    words = _in_words(one.params)
+    # The numbers of splines say nothing to anybody: what they make is drawn.
+    words = _in_words(one.params) if one.unseen is None else []
     words += ["no shorter law is as good"] if front else []
     return {
         "label": written(one.label, coordinate),
@@ -294,6 +295,6 @@ def _law(one: Proposal, front: bool, beside: Fit) -> pages.Law:
         "rmse_heldout": one.rmse_heldout,
         "variables": list(one.variables),
         "words": words,
-        "doubt": doubt_of(one.params),
+        "doubt": doubt_of(one.params) if one.unseen is None else "",
         "start": one.guess,
     }

@@ -744,7 +744,7 @@ function showFindings(place4, { captures, active, limitations, disagreements, no
   const apartFrom = disagreements.map((one, at) => disagreement(one, about2, at, openOnes.has(String(at))));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
   const open = place4.querySelector("details:not([data-at])")?.hasAttribute("open") ?? false;
-  const own = found2.length > FEW2 ? [folded(found2, told, open)] : found2;
+  const own = waits(told) ? [folded(found2, told, open)] : found2;
   place4.replaceChildren(...noted, ...apartFrom, ...missing, ...own);
   const again = focused && place4.querySelector(`[data-finding="${CSS.escape(focused)}"]`);
   if (again instanceof HTMLElement) again.focus();
@@ -766,11 +766,21 @@ function alikeInAll([first, ...others]) {
   return new Map(alike.map((one) => [keyOf(one), one]));
 }
 var keyOf = ({ said }) => JSON.stringify(said);
+function waits(told) {
+  return told.length > FEW2 || told.length > 0 && told.every(isNote);
+}
+function countedWords(told) {
+  const kinds = told.map(({ severity, overruled }) => overruled ? "overruled" : severity);
+  const counted2 = [...new Set(kinds)].map((kind) => (
+    /** @type {const} */
+    [kind, kinds.filter((one) => one === kind).length]
+  ));
+  const words4 = counted2.map(([kind, many]) => `${many} ${many > 1 ? PLURAL[kind] ?? kind : kind}`).join(", ");
+  return told.every(isNote) ? `${words4} on the log` : `${isDoubtful(told) ? "⚠ " : ""}${told.length} findings: ${words4}`;
+}
+var isDoubtful = (told) => told.some((one) => !isNote(one) && !one.overruled);
 function folded(items, told, open) {
-  const kinds = Map.groupBy(told, ({ severity, overruled }) => overruled ? "overruled" : severity);
-  const words4 = [...kinds].map(([kind, those]) => `${those.length} ${PLURAL[kind] && those.length > 1 ? PLURAL[kind] : kind}`);
-  const doubtful = told.some((one) => !isNote(one) && !one.overruled);
-  const summary = make("summary", { class: doubtful ? "doubt" : "soft", text: `${doubtful ? "⚠ " : ""}${told.length} findings: ${words4.join(", ")}` });
+  const summary = make("summary", { class: isDoubtful(told) ? "doubt" : "soft", text: countedWords(told) });
   return make("li", {}, make("details", { open }, summary, make("ul", {}, ...items)));
 }
 function finding(found2, { id, name: name2, job }, about2, { see, overrule }) {
