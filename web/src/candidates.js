@@ -1,7 +1,7 @@
 /** What could be missing: each effect with its evidence; the one that is looked at is laid over the residuals. */
 
 import { make } from "./dom.js";
-import { fitFormulas, lawOf, lettersOf } from "./math.js";
+import { fitFormulas, lawOf, lettersOf, othersIn, printed } from "./math.js";
 import { listed, titleOf } from "./names.js";
 import { number, percent } from "./numbers.js";
 import { nodes, sentence } from "./said.js";
@@ -196,7 +196,10 @@ function evidence(row, about) {
 /** What the letters of a law mean, where they are few. @param {Pick<Candidate, "letters" | "latex">} row */
 function meant({ letters, latex }) {
   if (letters.length === 0 || letters.length > FEW) return null;
-  return make("span", { class: "alike soft meant" }, ...letters.flatMap(({ names, meaning }, at) => [at > 0 ? "; " : "", lettersOf(names, latex), ` ${meaning}`]));
+  // What moves is known by its letter; which friction it is that changes is not.
+  const friction = othersIn(latex, []).filter(([tex]) => tex.startsWith("C_"));
+  const parts = [...letters.map(({ names, meaning }) => [lettersOf(names, latex), meaning]), ...friction.map(([tex, meaning]) => [printed(tex), meaning])];
+  return make("span", { class: "alike soft meant" }, ...parts.flatMap(([letter, meaning], at) => [at > 0 ? "; " : "", letter, ` ${meaning}`]));
 }
 
 /**

@@ -3,7 +3,7 @@
 import { acting } from "./acting.js";
 import { fetchPicture, wordsOf } from "./api.js";
 import { byId, make } from "./dom.js";
-import { fitFormulas, lawOf, lettersOf } from "./math.js";
+import { fitFormulas, lawOf, lettersOf, othersIn, printed } from "./math.js";
 import { titleOf } from "./names.js";
 import { unitWords } from "./numbers.js";
 
@@ -84,6 +84,8 @@ export function about(effect, shown) {
 /** What each letter of a law means, with its unit. @param {Pick<Effect, "letters" | "latex">} effect */
 function meanings({ letters, latex }) {
   const rows = letters.map(({ names, meaning, unit }) => make("li", {}, lettersOf(names, latex), ` ${meaning}`, unitWords(unit) ? `, ${unitWords(unit)}` : ""));
+  const own = letters.flatMap(({ names }) => names);
+  rows.push(...othersIn(latex, own).map(([tex, words]) => make("li", {}, printed(tex), ` ${words}`)));
   return rows.length > 0 ? make("ul", { class: "letters soft", "aria-label": "letters of the law" }, ...rows) : "";
 }
 

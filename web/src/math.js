@@ -62,6 +62,32 @@ function letter(name) {
   return index ? `${sign(base)}_{${sign(index)}}` : sign(base);
 }
 
+/** What else stands in laws, by its LaTeX. @type {[RegExp, string, string][]} */
+const OTHERS = [
+  [/C_\{\\pm\}/, "C_{\\pm}", "dry friction of each direction"],
+  [/\\theta(?!_|\s*_)/, "\\theta", "angle"],
+  [/^(?!.*\\theta).*(?<![A-Za-z\\])x(?!_)/, "x", "position"],
+  [/\\omega/, "\\omega", "velocity"],
+  [/(?<![A-Za-z\\])v(?!_)/, "v", "velocity"],
+  [/\\alpha/, "\\alpha", "acceleration"],
+  [/\\delta(?!\})/, "\\delta", "twist of the joint"],
+];
+
+/**
+ * What stands in a law beside its parameters, with what it means: the friction that it changes, what moves.
+ * @param {string} latex
+ * @param {string[]} own names of its parameters
+ */
+export function othersIn(latex, own) {
+  const letters = new Set(own.map((name) => letterOf(name, latex)));
+  return OTHERS.filter(([there, tex]) => there.test(latex) && !letters.has(tex)).map(([, tex, meaning]) => /** @type {const} */ ([tex, meaning]));
+}
+
+/** A letter as it is printed. @param {string} tex */
+export function printed(tex) {
+  return typeset(tex) ?? tex;
+}
+
 /**
  * Parameters that mean the same, as they stand in a law: one, or from the first to the last.
  * @param {string[]} names

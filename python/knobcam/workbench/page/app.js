@@ -956,6 +956,25 @@ function letter(name2) {
   const sign = (word) => word === "phi" ? "\\varphi" : word in SIGNS ? `\\${word}` : word;
   return index ? `${sign(base)}_{${sign(index)}}` : sign(base);
 }
+var OTHERS = [
+  [/C_\{\\pm\}/, "C_{\\pm}", "dry friction of each direction"],
+  [/\\theta(?!_|\s*_)/, "\\theta", "angle"],
+  [/^(?!.*\\theta).*(?<![A-Za-z\\])x(?!_)/, "x", "position"],
+  [/\\omega/, "\\omega", "velocity"],
+  [/(?<![A-Za-z\\])v(?!_)/, "v", "velocity"],
+  [/\\alpha/, "\\alpha", "acceleration"],
+  [/\\delta(?!\})/, "\\delta", "twist of the joint"]
+];
+function othersIn(latex, own) {
+  const letters = new Set(own.map((name2) => letterOf(name2, latex)));
+  return OTHERS.filter(([there, tex]) => there.test(latex) && !letters.has(tex)).map(([, tex, meaning]) => (
+    /** @type {const} */
+    [tex, meaning]
+  ));
+}
+function printed(tex) {
+  return typeset(tex) ?? tex;
+}
 function lettersOf(names, latex) {
   const [first, last] = [names[0], names[names.length - 1]].map((name2) => letterOf(name2, latex));
   return make("span", {}, typeset(first) ?? names[0], ...names.length > 1 ? [" … ", typeset(last) ?? last] : []);
@@ -1314,7 +1333,9 @@ function evidence(row, about2) {
 }
 function meant({ letters, latex }) {
   if (letters.length === 0 || letters.length > FEW3) return null;
-  return make("span", { class: "alike soft meant" }, ...letters.flatMap(({ names, meaning }, at) => [at > 0 ? "; " : "", lettersOf(names, latex), ` ${meaning}`]));
+  const friction = othersIn(latex, []).filter(([tex]) => tex.startsWith("C_"));
+  const parts = [...letters.map(({ names, meaning }) => [lettersOf(names, latex), meaning]), ...friction.map(([tex, meaning]) => [printed(tex), meaning])];
+  return make("span", { class: "alike soft meant" }, ...parts.flatMap(([letter2, meaning], at) => [at > 0 ? "; " : "", letter2, ` ${meaning}`]));
 }
 function remarks({ equivalent, confused, note }) {
   const others = confused.filter((effect) => !equivalent.includes(effect));
@@ -1738,6 +1759,8 @@ function about(effect, shown2) {
 }
 function meanings2({ letters, latex }) {
   const rows = letters.map(({ names, meaning, unit }) => make("li", {}, lettersOf(names, latex), ` ${meaning}`, unitWords(unit) ? `, ${unitWords(unit)}` : ""));
+  const own = letters.flatMap(({ names }) => names);
+  rows.push(...othersIn(latex, own).map(([tex, words4]) => make("li", {}, printed(tex), ` ${words4}`)));
   return rows.length > 0 ? make("ul", { class: "letters soft", "aria-label": "letters of the law" }, ...rows) : "";
 }
 function listed2(title, phrases) {
