@@ -199,7 +199,7 @@ function meant({ letters, latex }) {
   // What moves is known by its letter; which friction it is that changes is not.
   const friction = othersIn(latex, []).filter(([tex]) => tex.startsWith("C_"));
   const parts = [...letters.map(({ names, meaning }) => [lettersOf(names, latex), meaning]), ...friction.map(([tex, meaning]) => [printed(tex), meaning])];
-  return make("span", { class: "alike soft meant" }, ...parts.flatMap(([letter, meaning], at) => [at > 0 ? "; " : "", letter, ` ${meaning}`]));
+  return make("span", { class: "alike soft meant" }, ...parts.flatMap(([letter, meaning], at) => [at > 0 ? " · " : "", letter, ` ${meaning}`]));
 }
 
 /**

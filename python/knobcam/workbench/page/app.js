@@ -1335,7 +1335,7 @@ function meant({ letters, latex }) {
   if (letters.length === 0 || letters.length > FEW3) return null;
   const friction = othersIn(latex, []).filter(([tex]) => tex.startsWith("C_"));
   const parts = [...letters.map(({ names, meaning }) => [lettersOf(names, latex), meaning]), ...friction.map(([tex, meaning]) => [printed(tex), meaning])];
-  return make("span", { class: "alike soft meant" }, ...parts.flatMap(([letter2, meaning], at) => [at > 0 ? "; " : "", letter2, ` ${meaning}`]));
+  return make("span", { class: "alike soft meant" }, ...parts.flatMap(([letter2, meaning], at) => [at > 0 ? " · " : "", letter2, ` ${meaning}`]));
 }
 function remarks({ equivalent, confused, note }) {
   const others = confused.filter((effect) => !equivalent.includes(effect));
