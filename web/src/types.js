@@ -29,6 +29,11 @@
  */
 
 /**
+ * Parameters of a law that mean the same, and what that is.
+ * @typedef {{names: string[], meaning: string, unit: string}} Letters
+ */
+
+/**
  * What captures cannot tell; `sharpen` is the parameter, if one, that a motion of its own tells.
  * @typedef {{said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   sharpen: string | null}} Limitation
@@ -137,11 +142,6 @@
 /**
  * Two fitted parameters that the captures do not tell apart well, and their correlation.
  * @typedef {{names: string[], correlation: number}} Together
- */
-
-/**
- * Parameters of a law that mean the same, and what that is.
- * @typedef {{names: string[], meaning: string, unit: string}} Letters
  */
 
 /**

@@ -9,7 +9,7 @@ from typing import Literal, TypedDict
 
 from .pages_left import Curve, Disagreement, Limitation, Surface
 from .pages_next import Experiment
-from .pages_said import Advice, Along, Part
+from .pages_said import Advice, Along, Letters, Part
 
 Word = Literal["missing", "part", "alike", "less", "implausible", "too_little", "unpaid", "chance", "untold"]
 """What is said of an effect that could be missing; those first that speak most for it."""
@@ -107,14 +107,6 @@ class Together(TypedDict):
 
     names: list[str]
     correlation: float
-
-
-class Letters(TypedDict):
-    """Parameters of a law that mean the same, and what that is."""
-
-    names: list[str]
-    meaning: str
-    unit: str
 
 
 class Effect(TypedDict):

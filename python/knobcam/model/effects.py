@@ -19,7 +19,7 @@ from .sliding import sliding
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from ..base import pages
+    from ..base import pages, pages_said
     from ..base.showing import Figure
 
 
@@ -103,7 +103,7 @@ class Effect(showing.Tabled):
         """Return the parameter of this name, without the effect's own and without a capture's."""
         return next(row for row in self.params if row.name == name.partition("@")[0])
 
-    def letters(self) -> list[pages.Letters]:
+    def letters(self) -> list[pages_said.Letters]:
         """Return what the letters of its law mean, those together that mean the same."""
         alike: dict[tuple[str, str], list[str]] = {}
         for row in self.params:
