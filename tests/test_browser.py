@@ -108,10 +108,22 @@ def test_a_person_finds_the_hidden_effect_in_the_browser(tmp_path: Path, picture
     as_kept(pictures, "3-looked-at", "3-dark", "3-about", "3-at-720", "3-at-700", "3-at-1920")
 
 
-def test_every_law_of_the_catalogue_is_typeset(tmp_path: Path) -> None:
-    laws = {one.id: one.latex for axis in ("rotary", "linear") for one in kc.effects(axis).values()}
+def test_every_law_of_the_catalogue_is_typeset_and_what_letters_mean_is_said_of_those_in_it(
+    tmp_path: Path,
+) -> None:
+    laws = {
+        f"{axis} {one.id}": {"latex": one.latex, "names": [row.name for row in one.params]}
+        for axis in ("rotary", "linear")
+        for one in kc.effects(axis).values()
+    }
     (tmp_path / "laws.json").write_text(json.dumps(laws))
-    assert script("math.js", tmp_path / "laws.json") == {"laws": len(laws), "plain": []}
+    seen = script("math.js", tmp_path / "laws.json")
+    assert (seen["laws"], seen["plain"]) == (len(laws), [])
+    # Each friction's two directions are one letter of its law, and a share of the inertia is said in words.
+    assert {one.partition(" ")[2] for one in seen["elsewhere"]} == {
+        *("backlash.share", "compliance.share"),
+        *(f"{one}.{way}" for one in ("coulomb", "viscous") for way in ("neg", "pos")),
+    }
 
 
 def test_files_are_handed_over_in_the_browser_and_their_names_never_become_markup(

@@ -62,3 +62,12 @@ def test_what_knows_no_play_does_not_knock(effect: str):
     fit = kc.fit(capture, detents="no").add(effect)
     prepared = fit.prepared[0]
     assert fit.core.model.without_knocks(prepared.core, fit.noise_floor) is None
+
+
+def test_a_play_that_came_in_with_another_effect_is_looked_beside_though_it_was_not_weighed_alone():
+    fit = kc.fit(recorded(knob(), uneven=0.0), detents="no")
+    gapped, known = fit.add("backlash"), fit.diagnose(only=("stribeck",))
+    found = knocks.Knocks("backlash", gapped, known, gapped.prepared)
+    step = knocks.beside_play(found, knocks.quiet(found, fit))
+    assert step.added == "backlash" and step.p_value <= 0.01
+    assert step.fit.rmse < 1.05 * step.fit.noise_floor

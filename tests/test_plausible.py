@@ -34,6 +34,15 @@ def fitted(rmse: float = 1.0, effects: tuple[str, ...] = EFFECTS, heldout: float
     params = {name: estimate(*value) for name, value in values.items()}
     names = {a: {b: float(a == b) for b in params} for a in params}
     model = SimpleNamespace(coordinate="rotary", effects=effects, catalogue=kc.effects)
+
+    def bootstrap(draws: int) -> dict[str, Any]:
+        known = [name for name, one in params.items() if math.isfinite(one.se)]
+        se = np.array([params[name].se for name in known])
+        joint = np.outer(se, se) * np.array([[names[a][b] for b in known] for a in known])
+        means = [params[name].value for name in known]
+        refits = np.random.default_rng(1).multivariate_normal(means, joint, draws)
+        return dict(zip(known, refits.T, strict=True))
+
     return SimpleNamespace(
         model=model,
         params=params,
@@ -41,6 +50,7 @@ def fitted(rmse: float = 1.0, effects: tuple[str, ...] = EFFECTS, heldout: float
         rmse_heldout=heldout,
         prepared=(),
         correlation=names,
+        bootstrap=bootstrap,
         torque_unit="N m",
     )
 
@@ -394,3 +404,17 @@ def test_detents_that_return_hardly_more_than_once_a_turn_are_said_to_be_an_unba
     turning = cast(Any, SimpleNamespace(model=SimpleNamespace(period=1.0 / times, coordinate="rotary")))
     said = plausible._once_a_turn("detent", turning)
     assert said == [f"it returns {often} a turn, as an unbalance does and no detents do"]
+
+
+def test_friction_whose_mean_is_known_is_not_taken_away_by_a_zero_that_drifts_however_slowly():
+    knob = kc.Model.of(("inertia", "coulomb", "viscous"), "rotary").with_value("inertia.M", 1e-4)
+    for name in ("coulomb.neg", "coulomb.pos"):
+        knob = knob.with_value(name, 0.004)
+    capture = kc.simulate(knob, motion="multisine", duration_s=3.0, rate_hz=2500.0, seed=3)
+    drifts = kc.fit(capture, detents="no").add("torque_drift").model
+    # In three seconds of hours a transient is an offset and a line.
+    fit = kc.fit(capture, drifts.with_value("torque_drift.T", 1e4).with_fixed("torque_drift.T"))
+    each = fit.params["coulomb.neg"], fit.params["coulomb.pos"]
+    assert all(one.se > 100.0 * 0.004 for one in each)
+    assert abs(sum(one.value for one in each) / 2.0 - 0.004) < 1e-4
+    assert plausible.impossible(fit) is None

@@ -17,7 +17,7 @@ import knobcam as kc
 from knobcam.fit.estimate import Estimate
 from knobcam.learn.proposals import Proposals
 from knobcam.learn.proposing import _ordered
-from knobcam.workbench import surface
+from knobcam.workbench import proposing, surface
 
 
 @pytest.fixture(scope="module")
@@ -211,6 +211,8 @@ def test_what_is_left_over_two_variables_is_ranked_mapped_and_kept() -> None:
     assert len(found.plot().axes) == 4  # curve or time, map and its bar, front
     last = found.laws[-1]
     assert last.label == "a surface over theta and omega"
+    (*_, told) = proposing.document(found) or ()
+    assert {*told["words"]} <= {"no shorter law is as good"} and told["doubt"] == ""  # nor splines' numbers
     shown = surface.document(found)
     assert shown is not None and shown["over"] == ("theta", "omega") and shown["laws"][-1] is not None
     left, law = (np.array(one, dtype=float) for one in (shown["value"], shown["laws"][-1]))

@@ -17,10 +17,12 @@ from small import COUPLINGS
 
 import knobcam as kc
 from knobcam.base.said import OfAxis, said
+from knobcam.fit.estimate import Estimate
 from knobcam.show import report
 from knobcam.show.plot.failures import of_excess
 from knobcam.show.tables import html_table
-from knobcam.show.words import effect_word, param_word, sentence, worded
+from knobcam.show.values import with_doubt
+from knobcam.show.words import effect_word, param_phrase, sentence, worded
 
 HOSTILE = "<script>alert(1)</script>\"'><img src=x onerror=alert(2)> $headline ${else} &amp; knob.csv"
 VOID = {"meta", "img", "br", "link", "input", "hr"}
@@ -90,7 +92,7 @@ def test_a_report_answers_its_questions_in_order(page: str, story: kc.LearningRe
     assert places == sorted(places)
     assert sentence(story.headline, "rotary") in text
     for name in story.fit.params:
-        assert param_word(name, "rotary") in text
+        assert param_phrase(name, "rotary") in text
     for one in story.last.candidates:
         assert effect_word(one.effect, "rotary") in text
     assert f'data-latex="{escape(kc.effects()[story.found[0]].latex)}"' in page
@@ -283,7 +285,10 @@ def test_as_many_parameters_stand_on_the_sheet_as_there_is_room_for_and_all_of_t
     assert count > 12
     assert f"of the {count} parameters of the last model" in sheet and sheet.count("<tr>") <= 13
     assert appendix.count("All parameters of the last model") == 1
-    assert "fixed" not in Page(sheet + "</section></main></body></html>").text.partition("parameter value")[2]
+    assert (
+        "fixed"
+        not in Page(sheet + "</section></main></body></html>").text.partition("parameter letter value")[2]
+    )
 
 
 def test_a_report_has_the_intervals_that_the_document_has(story: kc.LearningResult) -> None:
@@ -291,11 +296,64 @@ def test_a_report_has_the_intervals_that_the_document_has(story: kc.LearningResu
     wider = dataclasses.replace(story)
     wider.__dict__["params"] = {name: one.widened(one.se**2) for name, one in story.params.items()}
     whole = report.html(wider)
+    told = re.findall(r"<td>([^<]*)</td><td>[^<]*</td><td>([^<]*) ± ([\d.]+)(?:\)·10[^<]*)?</td>", whole)
+    halves = {name: float(half) for name, _, half in told}
     for name, one in wider.document()["ladder"][-1]["params"].items():
         if one["ci95"] is None:
             continue  # not determined
         low, high = one["ci95"]
-        assert report._MINUS.sub("−", f"{low:.5g} to {high:.5g}") in whole, name
+        half = 0.5 * (high - low)
+        digits = halves[param_phrase(name, "rotary")] / half
+        # But for the unit and its power of ten, two digits are the same.
+        assert abs(digits / 10.0 ** round(np.log10(digits)) - 1.0) < 0.06, name
+
+
+def test_a_value_has_as_many_digits_as_its_interval_justifies() -> None:
+    def told(value: float, half: float, factor: float = 1.0) -> str:
+        return with_doubt(Estimate(value, (value - half, value + half), "N m", half / 2.0), factor)
+
+    assert told(0.01234567, 0.00021, 1000.0) == "12.35 ± 0.21"
+    assert told(-123456.0, 4321.0) == "(−1.235 ± 0.043)·10⁵"
+    assert told(1.23456e-5, 9.96e-7) == "(1.23 ± 0.10)·10⁻⁵"
+    assert told(0.4, 230.0) == "0 ± 230"
+    assert told(12.5, 0.0) == "12.5"
+    unknown = Estimate(3.0, (float("nan"), float("nan")), "rad", float("nan"))
+    assert with_doubt(unknown) == "not determined"
+
+
+def test_letters_stand_beside_what_they_mean_and_where_several_mean_the_same_with_it(page: str) -> None:
+    assert "<td>viscous coefficient moving forward (viscous friction)</td><td>pos</td>" in page
+    assert param_phrase("inertia.M", "rotary") == "moment of inertia"
+    assert param_phrase("cogging.a2", "rotary") == "its amplitude a2 (cogging)"
+    assert param_phrase("brake.w", "rotary") == "w (brake)"
+    every = [f"{one.id}.{row.name}" for one in kc.effects().values() for row in one.params]
+    assert len({param_phrase(name, "rotary") for name in every}) == len(every)
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_what_no_real_knob_has_stands_on_the_first_page_and_is_marked_where_its_value_is() -> None:
+    knob = kc.hiding("knob3", "stribeck", motion="sweep", duration_s=4.0)
+    capture = kc.simulate(knob, "sweep", duration_s=4.0, rate_hz=1000.0, seed=3)
+    story = kc.learn(capture, without=kc.effects())
+    assert any("viscous.pos is negative" in one for one in story.fit.warnings)
+    sheet, appendix = report.html(story).split("</section>", 1)
+    said = "Viscous coefficient moving forward (viscous friction) is negative, which no real knob has"
+    assert "What is doubtful" in sheet and said in sheet and said not in appendix
+    (row,) = re.findall(
+        r"<td>viscous coefficient moving forward[^<]*</td><td>pos</td><td>([^<]*)</td>", sheet
+    )
+    assert row.startswith("−") and row.endswith("⚠")
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_a_report_whose_values_are_all_plausible_has_nothing_doubtful(story: kc.LearningResult) -> None:
+    assert not story.fit.warnings and "What is doubtful" not in report.html(story)
+    strange = dataclasses.replace(story)
+    name, one = next((name, one) for name, one in story.params.items() if name == "coulomb.pos")
+    below = one._replace(value=-one.value, ci95=(-one.ci95[1], -one.ci95[0]))
+    strange.__dict__["params"] = {**story.params, name: below}
+    text = Page(report.html(strange)).text
+    assert "Dry friction moving forward:" in text and "is implausible: it should be at least 0" in text
 
 
 def test_the_headline_stands_once_on_the_sheet(story: kc.LearningResult, page: str) -> None:

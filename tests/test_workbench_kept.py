@@ -120,6 +120,20 @@ def test_a_session_goes_on_as_it_was_left_to_the_last_bit(root: Path, small: Pat
         assert third.session.node.fit.model.effects == second.session.node.fit.model.effects
 
 
+def test_detents_that_came_along_are_there_in_a_session_that_goes_on(root: Path) -> None:
+    knob, hidden, seed = next(one for one in challenge.levels()["hard"] if one[0] == "knob3")
+    with kept_in(root) as first:
+        simulated = Simulated(knob, hidden, "sweep", challenge.SECONDS, seed)
+        first.session.take(simulated.capture(), "knob", simulated=asdict(simulated))
+        for effect in hidden:
+            first.session.add(effect)
+        assert first.session.node.along == ("detent",)
+        before = first.session.node.fit.model.text()
+    with continued(root) as second:
+        assert second.session.node.along == ("detent",)
+        assert second.session.node.fit.model.text() == before
+
+
 def test_what_was_simulated_or_handed_over_goes_on_without_a_file(root: Path, small: Path) -> None:
     first = Bench(kept_in=root)
     with served(first) as client:

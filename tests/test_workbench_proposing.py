@@ -18,7 +18,7 @@ from workbench_server import served, wrong
 import knobcam as kc
 from knobcam.base.said import Said
 from knobcam.fit.estimate import Estimate
-from knobcam.learn.left import Map
+from knobcam.learn.left import mapped
 from knobcam.workbench import surface
 from knobcam.workbench.bench import Bench
 from knobcam.workbench.proposing import doubt_of, looked_for, taken, typed
@@ -335,9 +335,15 @@ def test_what_is_left_over_two_variables_is_never_more_than_was_measured() -> No
         on_capture=lambda column: column,
         core=SimpleNamespace(column=lambda _: turned),
     )
+    beside: Any = SimpleNamespace(residual=rest, prepared=[signals])
+    core = {"over": ("t", "theta"), "times": "", "x": x, "y": y}
+    core |= {"value": steep.T.ravel(), "band": np.full(steep.size, 0.1)}
+    map_of = mapped(core, beside)
+    assert np.nanmax(np.abs(map_of.value)) <= 0.1 < np.nanmax(np.abs(steep))
+    assert (np.isfinite(map_of.band) == np.isfinite(map_of.value)).all()
     found: Any = SimpleNamespace(
-        beside=SimpleNamespace(residual=rest, prepared=[signals]),
-        map=Map(("t", "theta"), "", x, y, steep, np.full(steep.shape, 0.1)),
+        beside=beside,
+        map=map_of,
         laws=[
             SimpleNamespace(variables=("t",), fit=SimpleNamespace(residual=rest)),
             SimpleNamespace(variables=("t", "theta"), fit=SimpleNamespace(residual=0.5 * rest)),

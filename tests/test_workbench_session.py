@@ -16,11 +16,10 @@ from knobcam.base import pages
 from knobcam.base.said import Said
 from knobcam.base.strict_json import as_json
 from knobcam.errors import InputError
-from knobcam.workbench import arrays, challenge, kept, saving, state
+from knobcam.workbench import arrays, saving, state
 from knobcam.workbench.jobs import Cancelled, Job, Worker
 from knobcam.workbench.learned import ladder
 from knobcam.workbench.session import Session
-from knobcam.workbench.sources import Simulated
 from knobcam.workbench.tell import quiet
 from knobcam.workbench.tree import Start
 
@@ -293,24 +292,6 @@ def test_the_script_of_a_session_makes_the_same_model_to_the_last_bit(
     assert "return_spring" in capsys.readouterr().out
     assert made.model.text() == weighed.node.fit.model.text()
     weighed.switch(next(iter(weighed.branches)))
-
-
-def test_two_hidden_effects_leave_the_noise_alone_whichever_is_added_first(tmp_path: Path) -> None:
-    # Alone, friction that rises towards standstill takes the shape of the drag over all speeds.
-    _, hidden, seed = next(one for one in challenge.levels()["hard"] if "stribeck" in one[1])
-    capture = Simulated("knob4", hidden, "sweep", challenge.SECONDS, seed).capture()
-    path = capture.save(tmp_path / "knob.npz")
-    for first, then in (hidden, hidden[::-1]):
-        session = Session()
-        session.open(str(path))
-        session.add(first)
-        session.add(then)
-        fit = session.node.fit
-        assert fit.compare().complete and fit.rmse < 1.01 * fit.noise_floor, first
-        script = saving.save(session, "script", tmp_path / f"{first}.py", quiet)
-        assert runpy.run_path(str(script))["fit"].model.text() == fit.model.text()
-        record = kept.of_node(session.node, None)["node"]
-        assert record["again"] == (first if first == "stribeck" else None)
 
 
 def test_a_session_starts_from_a_model_and_its_script_does_too(recording: Path, tmp_path: Path, capsys):

@@ -30,7 +30,7 @@ export function showBranches(place, state, beside, deeds) {
     const done = steps.slice(0, at + 1);
     const own = done.slice(done.findLastIndex(({ anew }) => anew)); // not of a knob that was here before
     const changed = own.filter(({ added, dropped }) => added || dropped.length > 0); // not only fitted anew
-    const changes = changed.map(({ added, dropped }) => changeOf(added, dropped));
+    const changes = changed.map(changeOf);
     const words = changes.join(" ") || "nothing added";
     const card = make(
       "button",

@@ -1,7 +1,7 @@
 /** What could be missing: each effect with its evidence; the one that is looked at is laid over the residuals. */
 
 import { make } from "./dom.js";
-import { fitFormulas, lawOf } from "./math.js";
+import { fitFormulas, lawOf, lettersOf, othersIn, printed } from "./math.js";
 import { listed, titleOf } from "./names.js";
 import { number, percent } from "./numbers.js";
 import { nodes, sentence } from "./said.js";
@@ -12,6 +12,7 @@ import { apartButton, boundsButton } from "./untold.js";
 
 const NOTHING = "No effect that was weighed explains enough of what is left.";
 const NO_MORE = "Nothing that was weighed is still missing.";
+const FEW = 4; // letters of a law, of which a line says what they mean; of more, that is asked for
 const NAMED = 0.01; // of the error, from which on what is ruled out is named
 /** Of who goes step by step, for the one path may end elsewhere than the other. */
 const ALONE = "Weighed one at a time; Find everything weighs sets too, from the first model on, and may end elsewhere.";
@@ -107,7 +108,7 @@ export class Candidates {
       make("span", { class: "figure", text: percent(-Math.max(0, row.error_fall)), title: "fall of the RMS error" }),
       make("span", { class: "deeds" }, this.deeds.about ? what : null, take),
       make("span", { class: "alike", text: row.name }),
-      row.could_be ? make("span", { class: "alike law-of" }, lawOf(row)) : null,
+      ...(row.could_be ? [make("span", { class: "alike law-of" }, lawOf(row)), meant(row)] : []),
       make("span", { class: "evidence soft", text: evidence(row, about) }),
       this.untold(row),
       ...remarks(row).map((words) => make("span", { class: "alike soft" }, ...words)),
@@ -190,6 +191,15 @@ export function outWords(rows) {
 function evidence(row, about) {
   const chance = row.p_value <= 0.001 ? "p\u00a0≤\u00a00.001" : `p\u00a0=\u00a0${number(row.p_value, 2)}`;
   return `${sentence(row.said, about)} (${chance})`;
+}
+
+/** What the letters of a law mean, where they are few. @param {Pick<Candidate, "letters" | "latex">} row */
+function meant({ letters, latex }) {
+  if (letters.length === 0 || letters.length > FEW) return null;
+  // What moves is known by its letter; which friction it is that changes is not.
+  const friction = othersIn(latex, []).filter(([tex]) => tex.startsWith("C_"));
+  const parts = [...letters.map(({ names, meaning }) => [lettersOf(names, latex), meaning]), ...friction.map(([tex, meaning]) => [printed(tex), meaning])];
+  return make("span", { class: "alike soft meant" }, ...parts.flatMap(([letter, meaning], at) => [at > 0 ? " · " : "", letter, ` ${meaning}`]));
 }
 
 /**

@@ -133,7 +133,7 @@ export function showFindings(place, { captures, active, limitations, disagreemen
   const apartFrom = disagreements.map((one, at) => disagreement(one, about, at, openOnes.has(String(at))));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
   const open = place.querySelector("details:not([data-at])")?.hasAttribute("open") ?? false;
-  const own = found.length > FEW ? [folded(found, told, open)] : found;
+  const own = waits(told) ? [folded(found, told, open)] : found;
   place.replaceChildren(...noted, ...apartFrom, ...missing, ...own); // what to record next is not to be looked for
   const again = focused && place.querySelector(`[data-finding="${CSS.escape(focused)}"]`);
   if (again instanceof HTMLElement) again.focus();
@@ -179,17 +179,30 @@ export function alikeInAll([first, ...others]) {
 /** What a finding says. @param {Finding} finding */
 const keyOf = ({ said }) => JSON.stringify(said);
 
+/** Whether findings wait for who asks: where there are many, and notes alone, about which nothing is to be done. @param {Finding[]} told */
+export function waits(told) {
+  return told.length > FEW || (told.length > 0 && told.every(isNote));
+}
+
+/** How many findings there are of which kind. @param {Finding[]} told */
+export function countedWords(told) {
+  const kinds = told.map(({ severity, overruled }) => (overruled ? "overruled" : severity));
+  const counted = [...new Set(kinds)].map((kind) => /** @type {const} */ ([kind, kinds.filter((one) => one === kind).length]));
+  const words = counted.map(([kind, many]) => `${many} ${many > 1 ? (PLURAL[kind] ?? kind) : kind}`).join(", ");
+  return told.every(isNote) ? `${words} on the log` : `${isDoubtful(told) ? "⚠ " : ""}${told.length} findings: ${words}`;
+}
+
+/** @param {Finding[]} told */
+const isDoubtful = (told) => told.some((one) => !isNote(one) && !one.overruled);
+
 /**
- * Many findings behind a line that says how many of which kind there are: what could be missing stands on the screen too.
+ * Findings behind a line that says how many of which kind there are: what could be missing stands on the screen too.
  * @param {HTMLElement[]} items
  * @param {Finding[]} told
  * @param {boolean} open
  */
 function folded(items, told, open) {
-  const kinds = Map.groupBy(told, ({ severity, overruled }) => (overruled ? "overruled" : severity));
-  const words = [...kinds].map(([kind, those]) => `${those.length} ${PLURAL[kind] && those.length > 1 ? PLURAL[kind] : kind}`);
-  const doubtful = told.some((one) => !isNote(one) && !one.overruled);
-  const summary = make("summary", { class: doubtful ? "doubt" : "soft", text: `${doubtful ? "⚠ " : ""}${told.length} findings: ${words.join(", ")}` });
+  const summary = make("summary", { class: isDoubtful(told) ? "doubt" : "soft", text: countedWords(told) });
   return make("li", {}, make("details", { open }, summary, make("ul", {}, ...items)));
 }
 

@@ -98,6 +98,21 @@ export function factorOf(times) {
   return times in ALONG ? variableOf(times) : `(${times})`;
 }
 
+/** @type {Record<string, string>} */
+const TURNS = { t: "t", theta: "θ", omega: "ω", alpha: "α", s: "s" };
+/** @type {Record<string, string>} */
+const SLIDES = { ...TURNS, theta: "x", omega: "v", alpha: "dv/dt" };
+
+/**
+ * What a law is of, each with its letter.
+ * @param {string[]} variables
+ * @param {Pick<About, "coordinate">} about
+ */
+export function lettered(variables, { coordinate }) {
+  const letters = coordinate === "linear" ? SLIDES : TURNS;
+  return variables.map((one) => (one in letters ? `${variableOf(one)} ${letters[one]}` : variableOf(one))).join(", ");
+}
+
 /** A variable of a law in words. @param {string} variable */
 export function variableOf(variable) {
   const along = /** @type {Record<string, import("./contents.js").Along>} */ (ALONG)[variable];

@@ -3,8 +3,9 @@
 import { acting } from "./acting.js";
 import { fetchPicture, wordsOf } from "./api.js";
 import { byId, make } from "./dom.js";
-import { fitFormulas, lawOf } from "./math.js";
+import { fitFormulas, lawOf, lettersOf, othersIn, printed } from "./math.js";
 import { titleOf } from "./names.js";
+import { unitWords } from "./numbers.js";
 
 /** @typedef {import("./types.js").Effect} Effect */
 
@@ -60,6 +61,7 @@ export function about(effect, shown) {
   byId("about-text").replaceChildren(
     make("p", { text: sentence }),
     lawOf(effect),
+    meanings(effect),
     shown ? acting(effect, shown) : "",
     make("div", { class: "columns-of-two" }, listed("Usual causes", causes), listed("What helps", remedies)),
     make("p", { class: "soft", text: `Acts on the ${PLACES[place] ?? place}. Shows ${shows}. Source: ${source}.` }),
@@ -77,6 +79,14 @@ export function about(effect, shown) {
     },
     (reason) => frame.replaceChildren(make("p", { class: "wrong", text: wordsOf(reason) })),
   );
+}
+
+/** What each letter of a law means, with its unit. @param {Pick<Effect, "letters" | "latex">} effect */
+function meanings({ letters, latex }) {
+  const rows = letters.map(({ names, meaning, unit }) => make("li", {}, lettersOf(names, latex), ` ${meaning}`, unitWords(unit) ? `, ${unitWords(unit)}` : ""));
+  const own = letters.flatMap(({ names }) => names);
+  rows.push(...othersIn(latex, own).map(([tex, words]) => make("li", {}, printed(tex), ` ${words}`)));
+  return rows.length > 0 ? make("ul", { class: "letters soft", "aria-label": "letters of the law" }, ...rows) : "";
 }
 
 /**

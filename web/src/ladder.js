@@ -26,10 +26,10 @@ export function showLadder(place, state) {
   const scale = torqueScale(state);
   const shown = (/** @type {number | null} */ value) => figure(value === null ? null : value * scale.factor);
 
-  const lines = steps.map(({ added, dropped, rmse, rmse_heldout, noise_floor }, at) => {
+  const lines = steps.map(({ added, along, dropped, rmse, rmse_heldout, noise_floor }, at) => {
     const now = at === here;
     const undone = at > here;
-    const label = changeOf(added, dropped) || (at === 0 ? "first model" : "fitted anew");
+    const label = changeOf({ added, along, dropped }) || (at === 0 ? "first model" : "fitted anew");
     const bar = make("span", { class: "bar" });
     const held = make("span", { class: "held" });
     bar.style.width = `${(100 * rmse) / widest}%`;
@@ -39,7 +39,7 @@ export function showLadder(place, state) {
     return make(
       "li",
       { class: `ladder-line${now ? " now" : ""}${undone ? " undone" : ""}`, "aria-current": now ? "step" : null },
-      make("span", { class: "label", text: label, title: [added, ...dropped].filter(Boolean).join(", ") || label }),
+      make("span", { class: "label", text: label, title: [added, ...along, ...dropped].filter(Boolean).join(", ") || label }),
       make("span", { class: "figure", text: shown(rmse), title: "RMS error" }),
       make("span", { class: "figure soft", text: shown(rmse_heldout), title: "on blocks that the fit did not see" }),
       track,
@@ -77,7 +77,7 @@ export function sameCaptures(steps, at) {
  * @param {import("./types.js").Carried[]} carried
  */
 function broughtAlong({ steps, at }, carried) {
-  const brought = carried.map((one) => ({ ...steps[0], dropped: [], ...one }));
+  const brought = carried.map((one) => ({ ...steps[0], along: [], dropped: [], ...one }));
   return brought.length > 1 ? { steps: [...brought, ...steps.slice(1)], at: at + brought.length - 1 } : { steps, at };
 }
 

@@ -1,6 +1,6 @@
 /** Laws for what no effect explains: looked for when asked, laid over the residuals, taken under a name. */
 
-import { curveWords, drawCurve, variableOf } from "./curve.js";
+import { curveWords, drawCurve, lettered } from "./curve.js";
 import { byId, make } from "./dom.js";
 import { fitFormulas, lawOf } from "./math.js";
 import { aboutOf, nodes } from "./said.js";
@@ -135,7 +135,7 @@ export class Laws {
 
   /** @param {Law} row @param {number} number */
   item({ label, law, variables, words, doubt, fall, start }, number) {
-    const of = `over ${variables.map(variableOf).join(", ")}`;
+    const of = `over ${this.about ? lettered(variables, this.about) : ""}`;
     const edit = make("button", {
       ...{ type: "button", text: "Edit…", "aria-label": `edit law ${number}`, title: "as a formula of your own" },
       on: { click: () => edited(law, start) },

@@ -36,6 +36,68 @@ export function lawOf({ latex, law }) {
   return typed ? make("div", { class: "formula" }, typed) : make("code", { class: "formula", text: law });
 }
 
+/** How a parameter is written in laws whose name is none of their letters. @type {Record<string, string>} */
+const WRITTEN = {
+  ...{ rise: "r", vs: "v_s", dv: "\\Delta v", gap: "g", lag: "T", tau: "T", delay: "t_d", limit: "\\tau_{\\max}", noise: "\\sigma" },
+  ...{ lo: "\\theta_{\\text{lo}}", hi: "\\theta_{\\text{hi}}", k_lo: "k_{\\text{lo}}", k_hi: "k_{\\text{hi}}", D_neg: "D_{-}", D_pos: "D_{+}" },
+};
+
+/**
+ * A parameter as its law has it, in LaTeX: theta0 with its index, phi as a letter; a word where laws have none of it.
+ * @param {string} name
+ * @param {string} latex of the law; of what slides it has x and F for the angle and the torque
+ */
+export function letterOf(name, latex) {
+  const written = letter(name);
+  const [turns] = /^\\(theta|tau)/.exec(written) ?? [];
+  return turns && !latex.includes(turns) ? written.replace(turns, turns === "\\tau" ? "F" : "x") : written;
+}
+
+/** @param {string} name */
+function letter(name) {
+  if (name in WRITTEN) return WRITTEN[name];
+  const [, base, index] = /^([A-Za-z]|alpha|delta|theta|mu|tau|phi)(?:_?(\d+|theta|alpha))?$/.exec(name) ?? [];
+  if (!base) return `\\text{${name}}`;
+  const sign = (/** @type {string} */ word) => (word === "phi" ? "\\varphi" : word in SIGNS ? `\\${word}` : word);
+  return index ? `${sign(base)}_{${sign(index)}}` : sign(base);
+}
+
+/** What else stands in laws, by its LaTeX. @type {[RegExp, string, string][]} */
+const OTHERS = [
+  [/C_\{\\pm\}/, "C_{\\pm}", "dry friction of each direction"],
+  [/\\theta(?!_|\s*_)/, "\\theta", "angle"],
+  [/^(?!.*\\theta).*(?<![A-Za-z\\])x(?!_)/, "x", "position"],
+  [/\\omega/, "\\omega", "velocity"],
+  [/(?<![A-Za-z\\])v(?!_)/, "v", "velocity"],
+  [/\\alpha/, "\\alpha", "acceleration"],
+  [/\\delta(?!\})/, "\\delta", "twist of the joint"],
+];
+
+/**
+ * What stands in a law beside its parameters, with what it means: the friction that it changes, what moves.
+ * @param {string} latex
+ * @param {string[]} own names of its parameters
+ */
+export function othersIn(latex, own) {
+  const letters = new Set(own.map((name) => letterOf(name, latex)));
+  return OTHERS.filter(([there, tex]) => there.test(latex) && !letters.has(tex)).map(([, tex, meaning]) => /** @type {const} */ ([tex, meaning]));
+}
+
+/** A letter as it is printed. @param {string} tex */
+export function printed(tex) {
+  return typeset(tex) ?? tex;
+}
+
+/**
+ * Parameters that mean the same, as they stand in a law: one, or from the first to the last.
+ * @param {string[]} names
+ * @param {string} latex
+ */
+export function lettersOf(names, latex) {
+  const [first, last] = [names[0], names[names.length - 1]].map((name) => letterOf(name, latex));
+  return make("span", {}, typeset(first) ?? names[0], ...(names.length > 1 ? [" … ", typeset(last) ?? last] : []));
+}
+
 /** @typedef {[string, Record<string, string>, ...(Node_ | string)[]]} Node_ */
 
 /**

@@ -41,8 +41,8 @@ export function listed(effects, between) {
   return effects.flatMap((effect, at) => [at > 0 ? between : "", named(titleOf(effect), effect)]);
 }
 
-/** What came in on a step, and what went. @param {string | null} added @param {string[]} dropped */
-export function changeOf(added, dropped) {
-  const came = added ? [`+ ${titleOf(added)}`] : [];
+/** What came in on a step, what with it by itself, and what went. @param {Pick<import("./types.js").Step, "added" | "along" | "dropped">} step */
+export function changeOf({ added, along, dropped }) {
+  const came = added ? [`+ ${[titleOf(added), ...along.map(titleOf)].join(" with ")}`] : [];
   return [...came, ...dropped.map((one) => `− ${titleOf(one)}`)].join(" ");
 }

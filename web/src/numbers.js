@@ -22,6 +22,24 @@ export function figure(value, digits = 3) {
   return value !== null && size >= 1e-3 && size < 10 ** digits ? value.toPrecision(digits).replaceAll("-", "−") : number(value, digits);
 }
 
+/**
+ * A value down to the second digit of half its interval, which is all that is known of it.
+ * @param {number} value
+ * @param {number} half
+ */
+export function asKnown(value, half) {
+  if (!(half > 0)) return number(value, 4);
+  const place = Math.floor(Math.log10(Number(half.toPrecision(2)))) - 1;
+  const size = Math.max(Math.abs(value), half);
+  const text = size < 1e-3 || size >= 1e5 ? value.toExponential(Math.max(0, Math.floor(Math.log10(Math.abs(value) || size)) - place)) : fixed(value, place);
+  return text.replaceAll("-", "−");
+}
+
+/** @param {number} value @param {number} place power of ten of the last digit */
+function fixed(value, place) {
+  return place > 0 ? String(Math.round(value / 10 ** place) * 10 ** place) : value.toFixed(Math.min(12, -place));
+}
+
 /** @param {number} value @param {number} digits */
 function plain(value, digits) {
   return String(Number(value.toPrecision(digits)));

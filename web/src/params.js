@@ -2,7 +2,7 @@
 
 import { byId, make } from "./dom.js";
 import { paramOf, titleOf } from "./names.js";
-import { number, scaleOf, unitWords } from "./numbers.js";
+import { asKnown, number, scaleOf, unitWords } from "./numbers.js";
 import { sentence } from "./said.js";
 
 /** @typedef {import("./types.js").Param} Param */
@@ -34,7 +34,7 @@ export class Params {
     for (const [at, param] of params.entries()) {
       const row = this.rows.get(param.name);
       if (!row) continue;
-      const shown = number(param.value * row.factor, 4);
+      const shown = param.dragged ? number(param.value * row.factor, 4) : asKnown(param.value * row.factor, halfOf(param) * row.factor);
       row.value.textContent = shown;
       row.apart.textContent = apart(param);
       row.error.hidden = param.dragged; // of the fitted value, not of one that a hand gave
@@ -175,6 +175,11 @@ function span({ fitted, ci95, lower, upper }) {
   return { low: Math.max(fitted - reach, lower ?? -Infinity), high: Math.min(fitted + reach, upper ?? Infinity) };
 }
 
+/** Half the 95 % interval; NaN where there is none. @param {Pick<Param, "ci95">} param */
+function halfOf({ ci95 }) {
+  return ci95 ? 0.5 * (ci95[1] - ci95[0]) : NaN;
+}
+
 /**
  * Half the 95 % interval, in as many digits as it is known to.
  * @param {Pick<Param, "ci95" | "role">} param
@@ -183,7 +188,8 @@ function span({ fitted, ci95, lower, upper }) {
 export function plusMinus({ ci95, role }, factor = 1) {
   if (role === "fixed") return "fixed";
   if (!ci95) return "± ?";
-  return ci95[1] > ci95[0] ? `± ${number(0.5 * factor * (ci95[1] - ci95[0]), 2)}` : "";
+  const half = factor * halfOf({ ci95 });
+  return half > 0 ? `± ${asKnown(half, half)}` : "";
 }
 
 /**

@@ -29,6 +29,11 @@
  */
 
 /**
+ * Parameters of a law that mean the same, and what that is.
+ * @typedef {{names: string[], meaning: string, unit: string}} Letters
+ */
+
+/**
  * What captures cannot tell; `sharpen` is the parameter, if one, that a motion of its own tells.
  * @typedef {{said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   sharpen: string | null}} Limitation
@@ -105,8 +110,9 @@
 /**
  * A fit on the way of a branch; `anew` of a model of its own, not that of the step before.
  *
+ * `along` is what came in by itself beside what was `added`.
  * `noise_floor`, where it is known, is read from what the model leaves too: it may fall with that.
- * @typedef {{node: string, anew: boolean, added: string | null, dropped: string[], rmse: number,
+ * @typedef {{node: string, anew: boolean, added: string | null, along: string[], dropped: string[], rmse: number,
  *   rmse_heldout: number | null, noise_floor: number | null, captures: string[]}} Step
  */
 
@@ -139,10 +145,10 @@
  */
 
 /**
- * An effect of the catalogue, in words.
+ * An effect of the catalogue, in words; `letters` are those of its law.
  * @typedef {{effect: string, place: string, law: string, source: string, shows: string, confused: string[],
- *   title: string, name: string, about: string, causes: string[], remedies: string[], latex: string, over: string,
- *   section: string | null, friction: boolean}} Effect
+ *   title: string, name: string, about: string, causes: string[], remedies: string[], latex: string,
+ *   letters: Letters[], over: string, section: string | null, friction: boolean}} Effect
  */
 
 /**
@@ -155,8 +161,8 @@
  *
  * `unsettled` says which of its values are not determined, where that is most of them.
  * @typedef {{effect: string, place: string, law: string, source: string, shows: string, confused: string[],
- *   title: string, name: string, about: string, causes: string[], remedies: string[], latex: string, over: string,
- *   section: string | null, friction: boolean,
+ *   title: string, name: string, about: string, causes: string[], remedies: string[], latex: string,
+ *   letters: Letters[], over: string, section: string | null, friction: boolean,
  *   word: "missing" | "part" | "alike" | "less" | "implausible" | "too_little" | "unpaid" | "chance" | "untold",
  *   said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   could_be: boolean, beyond_chance: boolean, p_value: number, error_fall: number, rmse_heldout: number | null,

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { parsed } from "../src/math.js";
+import { letterOf, othersIn, parsed } from "../src/math.js";
 
 /** The text of a law, in the order in which it is read. */
 function words(node) {
@@ -33,4 +33,13 @@ test("what is not understood is left to the plain text", () => {
   for (const latex of ["\\unknown x", "\\frac{a", "a_", "\\begin{matrix} a \\end{matrix}", "a ; b"]) {
     assert.equal(parsed(latex), null, latex);
   }
+});
+
+test("what stands in a law beside its parameters is said too, and a parameter of that letter is not taken for it", () => {
+  const words = (/** @type {string} */ latex, /** @type {string[]} */ own) => othersIn(latex, own).map(([, meaning]) => meaning);
+  const stribeck = String.raw`C_{\pm} \left(1 + r\,e^{-(|\omega|/v_s)^{\delta}}\right) \operatorname{sgn}\omega`;
+  assert.deepEqual(words(stribeck, ["rise", "vs", "delta"]), ["dry friction of each direction", "velocity"]);
+  assert.deepEqual(words(String.raw`k\,(x - x_0)`, ["k", "theta0"]), ["position"]);
+  assert.deepEqual(words(String.raw`\max(0, k\,x),\quad x = \theta - \theta_{\text{hi}}`, ["k"]), ["angle"]);
+  assert.equal(letterOf("theta0", String.raw`k\,(x - x_0)`), "x_{0}");
 });

@@ -166,3 +166,11 @@ test("where no single effect explains what is left, the headline leads to a form
   for (const part of further({ sets: true, proposed: [law] }, KNOB, /** @type {any} */ (to))) if (typeof part === "object") part.go();
   assert.deepEqual(led, ["laws", "every"]);
 });
+
+test("notes alone wait behind a line that counts them, what is doubtful is seen at once unless it is much", async () => {
+  const { countedWords, waits } = await import("../src/captures.js");
+  const of = (/** @type {string[]} */ ...kinds) => /** @type {any} */ (kinds.map((severity) => ({ severity, overruled: severity === "overruled" })));
+  assert.deepEqual([of(), of("note"), of("note", "masked"), of("warning", "masked"), of("note", "note", "masked")].map(waits), [false, true, false, false, true]);
+  assert.equal(countedWords(of("note")), "1 note on the log");
+  assert.equal(countedWords(of("note", "note", "masked", "mended")), "⚠ 4 findings: 2 notes, 1 masked, 1 mended");
+});

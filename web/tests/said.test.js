@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { known } from "../src/names.js";
+import { changeOf, known } from "../src/names.js";
 import { aboutOf, adviceOf, sentence } from "../src/said.js";
 
 globalThis.location = /** @type {any} */ ({ search: "" });
@@ -60,4 +60,10 @@ test("advice has no words of the command line where the page has a way of its ow
   assert.equal(adviceOf({ advice: "log faster", way: "" }), "log faster");
   assert.equal(adviceOf({ advice: "torque_edge_hz= sets another", way: "command" }), "");
   assert.match(adviceOf({ advice: "map tau=... [mNm]", way: "unit" }), /open the file once more/);
+});
+
+test("what came in by itself stands beside what it came in with", () => {
+  known({ titles: { torque_drift: "torque drift", detent: "detent", offset: "torque offset" } });
+  assert.equal(changeOf({ added: "torque_drift", along: ["detent"], dropped: ["offset"] }), "+ torque drift with detent − torque offset");
+  assert.equal(changeOf({ added: null, along: [], dropped: ["offset"] }), "− torque offset");
 });

@@ -2,19 +2,30 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { limits, tickWords } from "../src/axes.js";
-import { factorOf } from "../src/curve.js";
+import { factorOf, lettered } from "../src/curve.js";
 import { enoughWords, limitWords, ofLimits } from "../src/evidence.js";
 import { latest } from "../src/latest.js";
 import { momentWords } from "../src/acting.js";
 import { restWords } from "../src/candidates.js";
 import { apart, plusMinus, withoutName } from "../src/params.js";
 import { shownLimit, wider } from "../src/within.js";
-import { figure, number, percent, thousands, ticks, torqueScale, torqueWord } from "../src/numbers.js";
+import { asKnown, figure, number, percent, thousands, ticks, torqueScale, torqueWord } from "../src/numbers.js";
 
 test("a tick has no more digits than it needs, and a curve is over what a person calls a variable", () => {
   assert.deepEqual([5e-5, -1e-4, 1.25e-7, 0, 0.25, 150].map(tickWords), ["5e−5", "−1e−4", "1.25e−7", "0", "0.25", "150"]);
   assert.equal(factorOf("alpha"), "acceleration");
   assert.equal(factorOf("sign(omega)"), "(sign(omega))");
+});
+
+test("a value has as many digits as half its interval, which has two", () => {
+  const told = [[-0.01956, 0.47], [2.417, 1.4], [0.1189, 0.0623], [12345.6, 230], [5.512e-5, 1.4e-6], [0.4, 230], [2.2e-6, 3e-5], [0.075969, 5.4e-5]];
+  assert.deepEqual(told.map(([value, half]) => asKnown(value, half)), ["−0.02", "2.4", "0.119", "12350", "5.51e−5", "0", "2e−6", "0.075969"]);
+  assert.deepEqual([asKnown(0.123456, 0), asKnown(0.123456, NaN), asKnown(0.3, 0.3)], ["0.1235", "0.1235", "0.30"]);
+});
+
+test("what a law is of has its letter, of what slides another", () => {
+  assert.equal(lettered(["omega", "theta"], { coordinate: "rotary" }), "velocity ω, position θ");
+  assert.equal(lettered(["omega", "load"], { coordinate: "linear" }), "velocity v, modelled torque");
 });
 
 test("numbers have a true minus and as many digits as they need", () => {
@@ -126,7 +137,7 @@ test("of requests that pile up only the newest is made", async () => {
 });
 
 test("a parameter says half its interval, that it is fixed, or that nothing determines it", () => {
-  assert.equal(plusMinus({ ci95: [0.9, 1.1], role: "free" }), "± 0.1");
+  assert.equal(plusMinus({ ci95: [0.9, 1.1], role: "free" }), "± 0.10");
   assert.equal(plusMinus({ ci95: [0.9, 1.1], role: "free" }, 1000), "± 100");
   for (const ci95 of /** @type {const} */ ([null, [0, 0]])) assert.equal(plusMinus({ ci95: /** @type {any} */ (ci95), role: "fixed" }), "fixed");
   assert.equal(plusMinus({ ci95: null, role: "free" }), "± ?");

@@ -9,7 +9,7 @@ from typing import Literal, TypedDict
 
 from .pages_left import Curve, Disagreement, Limitation, Surface
 from .pages_next import Experiment
-from .pages_said import Advice, Along, Part
+from .pages_said import Advice, Along, Letters, Part
 
 Word = Literal["missing", "part", "alike", "less", "implausible", "too_little", "unpaid", "chance", "untold"]
 """What is said of an effect that could be missing; those first that speak most for it."""
@@ -45,12 +45,14 @@ class CaptureInfo(TypedDict):
 class Step(TypedDict):
     """A fit on the way of a branch; `anew` of a model of its own, not that of the step before.
 
+    `along` is what came in by itself beside what was `added`.
     `noise_floor`, where it is known, is read from what the model leaves too: it may fall with that.
     """
 
     node: str
     anew: bool
     added: str | None
+    along: list[str]
     dropped: list[str]
     rmse: float
     rmse_heldout: float | None
@@ -108,7 +110,7 @@ class Together(TypedDict):
 
 
 class Effect(TypedDict):
-    """An effect of the catalogue, in words."""
+    """An effect of the catalogue, in words; `letters` are those of its law."""
 
     effect: str
     place: str
@@ -122,6 +124,7 @@ class Effect(TypedDict):
     causes: list[str]
     remedies: list[str]
     latex: str
+    letters: list[Letters]
     over: str
     section: str | None
     friction: bool

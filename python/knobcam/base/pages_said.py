@@ -78,5 +78,13 @@ class Advice(TypedDict):
     way: Way
 
 
+class Letters(TypedDict):
+    """Parameters of a law that mean the same, and what that is."""
+
+    names: list[str]
+    meaning: str
+    unit: str
+
+
 Part = str | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice
 """A part of a sentence."""

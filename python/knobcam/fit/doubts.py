@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .. import _core
-from ..base.said import OfParam, said
+from ..base.said import OfParam, Said, said
 from ..capture.formats.units import VOLTAGES
 from ..model.effects import base_effects
 from .plausible import REVERSED, per_speed, torque_of
 from .uncounted import tells_nothing
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from ..capture.prepare import Prepared
     from ..model.effects import Effect
@@ -84,6 +84,19 @@ def doubts(fit: Fit) -> tuple[str, ...]:
     if astray(fit):
         found.append("detent.P came out at less than one detent a turn, which is none: start without detents")
     return (*found, *_at_bounds(fit), *_back_emf(fit))
+
+
+def said_once(warnings: Sequence[str]) -> list[str]:
+    """Return warnings of which those that say the same of another parameter name that alone."""
+    told: list[str] = []
+    known: set[str] = set()
+    for warning in warnings:
+        first, *rest = warning.parts if isinstance(warning, Said) else (warning,)
+        same = "".join(map(str, rest))
+        alike = isinstance(first, OfParam) and same in known
+        told.append(said("so is {param}", param=first) if alike else warning)
+        known.add(same)
+    return told
 
 
 def _in_place_of(fit: Fit, name: str) -> str:

@@ -101,7 +101,9 @@ def beside_play(knocks: Knocks, rigid: LearningStep) -> LearningStep:
     alone = knocks.gapped.core.model.only([*rigid.effects, knocks.joint])
     core = _core.refine(cores(rigid.fit), alone, True)
     joined = replace(rigid.fit, core=core, before=rigid.fit)
-    return LearningStep(joined, knocks.joint, knocks.known[knocks.joint].p_value, (), (), knocks.known)
+    # It may have come in with another effect, and not be among those that were weighed alone.
+    p_value = chance_of(joined, rigid.fit, knocks.known)
+    return LearningStep(joined, knocks.joint, p_value, (), (), knocks.known)
 
 
 def with_play(knocks: Knocks, ladder: Sequence[LearningStep]) -> list[LearningStep] | None:

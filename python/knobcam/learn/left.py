@@ -6,10 +6,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from .around import Around
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from ..base.arrays import BoolArray, FloatArray
+    from ..fit import Fit
 
 _SURE = 4.0  # times the usual half-width of the band
 
@@ -36,10 +39,10 @@ class Curve(NamedTuple):
 
 
 class Map(NamedTuple):
-    """What is left as a smooth function of the two variables `over` times `times`, over their plane.
+    """What is left over the plane of the two variables `over`, by `times`: its mean around each place.
 
-    `value` and `band`, half the width of its 95 % band, have a row for each place of the second variable.
-    They are no numbers where the motion did not go, or too seldom.
+    `value` and `band`, half the width of the 95 % band of a smooth surface through it, have a row for each
+    place of the second variable. They are no numbers where the motion did not go, or too seldom.
     """
 
     over: tuple[str, str]
@@ -74,10 +77,12 @@ def drawn(curve: Mapping[str, Any], laws: list[str]) -> Curve:
     )
 
 
-def mapped(surface: Mapping[str, Any]) -> Map:
-    """Return the map of the core."""
+def mapped(surface: Mapping[str, Any], beside: Fit) -> Map:
+    """Return the map of what a fit leaves, where the core's surface is known."""
     x, y = np.asarray(surface["x"]), np.asarray(surface["y"])
     value, band = (np.asarray(surface[one]).reshape(len(x), len(y)).T for one in ("value", "band"))
     x_name, y_name = surface["over"]
     hidden = np.where(np.isfinite(value), band, np.nan)
-    return Map((x_name, y_name), surface["times"], x, y, value, hidden)
+    smooth = Map((x_name, y_name), surface["times"], x, y, value, hidden)
+    measured = Around(beside.prepared, smooth).mean(beside.residual)
+    return smooth._replace(value=measured, band=np.where(np.isfinite(measured), hidden, np.nan))

@@ -80,7 +80,7 @@ def propose(story: LearningResult, progress: Callable[[float], object] | None = 
         p_value,
         line,
         needs=tuple(Need(tuple(sorted(names)), left, p) for names, left, p in needs),
-        map=None if surface is None else mapped(surface),
+        map=None if surface is None else mapped(surface, fit),
     )
 
 

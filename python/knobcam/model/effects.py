@@ -19,7 +19,7 @@ from .sliding import sliding
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from ..base import pages
+    from ..base import pages, pages_said
     from ..base.showing import Figure
 
 
@@ -103,6 +103,16 @@ class Effect(showing.Tabled):
         """Return the parameter of this name, without the effect's own and without a capture's."""
         return next(row for row in self.params if row.name == name.partition("@")[0])
 
+    def letters(self) -> list[pages_said.Letters]:
+        """Return what the letters of its law mean, those together that mean the same."""
+        alike: dict[tuple[str, str], list[str]] = {}
+        for row in self.params:
+            if row.meaning != row.name:  # as of a law of one's own
+                alike.setdefault((row.meaning, row.unit), []).append(row.name)
+        return [
+            {"names": names, "meaning": meaning, "unit": unit} for (meaning, unit), names in alike.items()
+        ]
+
     def plot(self) -> Figure:
         """Its signature: the torque that it adds to a small knob, over time and where it shows."""
         return showing.plot(self)
@@ -122,6 +132,7 @@ class Effect(showing.Tabled):
             "causes": list(self.causes),
             "remedies": list(self.remedies),
             "latex": self.latex,
+            "letters": self.letters(),
             "over": self.over,
             "section": self.section,
             "friction": self.friction,

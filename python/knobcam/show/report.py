@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 from .._core import __version__
 from ..base.writing import write as write_file
 from ..fit.diagnose import LEAST_P
-from ..fit.doubts import unsettled
-from ..fit.estimate import rows_of
+from ..fit.doubts import said_once, unsettled
+from ..fit.plausible import out_of_range
 from ..fit.refit import percent
 from ..fit.unheard import unheard
 from ..learn.contenders import untold_of_each
@@ -25,15 +25,15 @@ from ..model.effects import effects
 from .look_page import section
 from .markup import bullets, figure, law, paragraph, style, wide_table
 from .samples import steps
+from .values import HEAD, rows
 from .words import (
     and_words,
     axis_word,
     bound_word,
     effect_word,
     or_words,
-    param_word,
+    param_phrase,
     sentence,
-    unit_word,
     with_params,
     worded,
 )
@@ -50,6 +50,8 @@ _FEW = 2  # captures of which each has its own facts
 _ROOM = 12  # parameters that stand on one page beside a picture
 _MINUS = re.compile(r"(?<![\w.-])-(?=\d)")
 """The hyphen before a number."""
+_NAMES = re.compile(r"[^\w.@]+")
+"""What parts the names in a sentence."""
 
 
 def write(learned: LearningResult, path: str | os.PathLike[str]) -> Path:
@@ -70,6 +72,7 @@ def html(learned: LearningResult) -> str:
         learned=_story(learned),
         style=style(),
         params=_on_sheet(learned),
+        doubtful=_doubtful(learned),
         untold=_untold(learned),
         next=_next(learned),
         look=look.markup,
@@ -102,6 +105,35 @@ def _title(learned: LearningResult) -> str:
     return f"What is missing in the model of {', '.join(known)}"
 
 
+def _doubtful(learned: LearningResult) -> str:
+    """What speaks against the values of the last model, with its heading; nothing where nothing does."""
+    kind = learned.model.coordinate
+    said = [with_params(worded(one, kind), learned.params, kind) for one in said_once(learned.fit.warnings)]
+    warned = _warned(learned)
+    for name, why in _strange(learned).items():
+        if name not in warned:
+            said.append(f"{param_phrase(name, kind)}: {why}")
+    told = [_MINUS.sub("−", one[:1].upper() + one[1:]) for one in said]
+    return f"<h2>What is doubtful</h2>\n{bullets(told)}" if told else ""
+
+
+def _strange(learned: LearningResult) -> dict[str, str]:
+    """Return the parameters whose values are surely out of what is plausible, and why."""
+    catalogue = learned.model.catalogue()
+    found = {}
+    for name, one in learned.params.items():
+        effect, _, own = name.partition(".")
+        why = None if one.held else out_of_range(one, catalogue[effect].parameter(own).plausible)
+        if why is not None:
+            found[name] = why
+    return found
+
+
+def _warned(learned: LearningResult) -> set[str]:
+    """Return the parameters that a warning of the last fit is about."""
+    return {name for name in learned.params for one in learned.fit.warnings if name in _NAMES.split(one)}
+
+
 def _untold(learned: LearningResult) -> str:
     """What the captures cannot tell: names that explain them as well, and values.
 
@@ -117,7 +149,7 @@ def _untold(learned: LearningResult) -> str:
     fit = learned.fit
     why_not: dict[str, list[str]] = {}
     for name, why in fit.undetermined.items():
-        why_not.setdefault(with_params(why, fit.params, kind), []).append(param_word(name, kind))
+        why_not.setdefault(with_params(why, fit.params, kind), []).append(param_phrase(name, kind))
     said += [f"{and_words(names)}: {why}" for why, names in why_not.items()]
     said += _unsettled(learned)
     rest = ["what the error that is left comes of, as said above"] if learned.unexplained else []
@@ -145,7 +177,7 @@ def _these(learned: LearningResult) -> str:
 def _next(learned: LearningResult) -> str:
     said = []
     if untold_of_each(learned.ladder):
-        how = "Tell apart in the workbench, or `knobcam next`,"
+        how = "Tell apart in the workbench, or the command knobcam next,"
         said.append(f"the motion that tells them apart, which {how} designs for these captures")
     said += dict.fromkeys(one.record for one in learned.limitations)
     if learned.record is not None:
@@ -203,12 +235,13 @@ def _found(learned: LearningResult) -> str:
 
 def _params(caption: str, learned: LearningResult, effect: str | None = None, most: int | None = None) -> str:
     """The parameters of the last model as a table, or of one of its effects; or `most` that were fitted."""
-    rows = [
-        (name, value, interval, unit_word(unit))
-        for name, value, interval, unit in rows_of(learned.params)
-        if effect in (None, name.partition(".")[0]) and not (most and learned.params[name].held)
+    names = [
+        name
+        for name, one in learned.params.items()
+        if effect in (None, name.partition(".")[0]) and not (most and one.held)
     ]
-    return wide_table(caption, learned.fit.HEAD, _worded(rows[:most], learned.model.coordinate))
+    doubted = {*_strange(learned), *_warned(learned)}
+    return wide_table(caption, HEAD, rows(learned, names[:most], doubted))
 
 
 def _on_sheet(learned: LearningResult) -> str:
@@ -349,7 +382,7 @@ def _sure(learned: LearningResult) -> str:
         parts += ["<h3>The captures</h3>", bullets(f"{name}: {facts}" for name, facts in each)]
     if len(learned.params) > _ROOM:
         parts.append(_params("All parameters of the last model", learned))
-    said = [with_params(one, fit.params, learned.model.coordinate) for one in fit.warnings]
+    said: list[str] = []
     for signals in fit.prepared:
         said += signals.notes
         said += [str(finding) for finding in signals.findings]

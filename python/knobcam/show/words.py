@@ -13,7 +13,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
 _PARAM = re.compile(r"(\w+\.\w+)")
-_SHORT = {"N s^2/m": "kg", "N m s^2/rad": "kg m²", "1": ""}
+_BRIEF = re.compile("[,;] ")
+"""Behind which stands what else is to be known of a parameter."""
+SHORT = {"N s^2/m": "kg", "N m s^2/rad": "kg m²", "1": ""}
 """Units with a shorter name; the radian is left out, as everybody does."""
 
 
@@ -24,9 +26,22 @@ def effect_word(effect: str, coordinate: str) -> str:
 
 
 def param_word(name: str, coordinate: str) -> str:
-    """Return a parameter by its effect's words and its own letters."""
+    """Return a parameter by its effect's words and its own letters, as there is room for in a picture."""
     effect, _, own = name.partition(".")
     return f"{effect_word(effect, coordinate)}: {own}"
+
+
+def param_phrase(name: str, coordinate: str) -> str:
+    """Return a parameter by what it is and of which effect; with its letter where that has several alike."""
+    effect, _, own = name.partition(".")
+    known = effects(coordinate).get(effect)
+    if known is None:
+        return f"{own} ({effect})"  # of a law of one's own there are its letters alone
+    words = {one.name: _BRIEF.split(one.meaning)[0] for one in known.params}
+    letter = own.partition("@")[0]
+    what = words[letter]
+    what += f" {letter}" if [*words.values()].count(what) > 1 else ""
+    return what if known.title in what else f"{what} ({known.title})"
 
 
 def axis_word(axis: str) -> str:
@@ -58,12 +73,12 @@ def with_params(said: str, params: Iterable[str], coordinate: str) -> str:
     """Return text in which parameters of a model stand by their names with these in words."""
     known = {*params}
     words = _PARAM.split(said)
-    return "".join(param_word(one, coordinate) if one in known else one for one in words)
+    return "".join(param_phrase(one, coordinate) if one in known else one for one in words)
 
 
 def unit_word(unit: str) -> str:
     """Return a unit as a person writes it; nothing for what has none."""
-    return _SHORT.get(unit, unit.replace("^2", "²").replace("^3", "³"))
+    return SHORT.get(unit, unit.replace("^2", "²").replace("^3", "³"))
 
 
 def p_word(p_value: float, digits: str) -> str:
@@ -85,7 +100,7 @@ def worded(said: str, coordinate: str) -> str:
         if isinstance(part, OfEffect):
             told.append(effect_word(part.effect, coordinate))
         elif isinstance(part, OfParam):
-            told.append(param_word(part.param, coordinate))
+            told.append(param_phrase(part.param, coordinate))
         elif isinstance(part, OfAxis):
             told.append(axis_word(part.along))
         else:

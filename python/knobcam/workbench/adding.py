@@ -11,11 +11,11 @@ from ..fit.fitting import as_logged
 from ..learn import LearningResult
 from ..learn.cut import Deadline, OutOfTime
 from ..learn.earlier import retested
-from ..learn.exchanged import looked_anew
+from ..learn.exchanged import looked_anew, with_detents
 from ..learn.search import Search
 from ..model.effects import base_effects_shown
 from .learned import in_vain, ladder, learned
-from .tree import Node
+from .tree import Node, Start
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -28,7 +28,9 @@ if TYPE_CHECKING:
 
 
 def add(session: Session, effect: str, tell: Tell) -> None:
-    """Add an effect and fit anew; detents that nobody asked for go where it makes them needless.
+    """Add an effect and fit anew; detents come along where they show beside it, as in a search.
+
+    Detents that nobody asked for go where it makes them needless.
 
     Raises InputError for an effect that the model cannot be given.
     """
@@ -47,12 +49,33 @@ def add(session: Session, effect: str, tell: Tell) -> None:
         richer = refit.converged(weighed[0].fit)
     else:
         richer = refit.add(node.fit, effect, lambda _: tell(doing))
-    richer, gone = retested(richer, unasked(session, effect, richer))
+    by_themselves = unasked(session, effect, richer)
+    richer, along = came_along(richer) if _may_come(session, richer) else (richer, ())
+    richer, gone = retested(richer, by_themselves)
     richer, again = _beside(ladder(branch.done), richer, effect, lambda _: tell(doing))
-    evidence |= {"also_dropped": gone, "again": again}
+    evidence |= {"along": along, "also_dropped": gone, "again": again}
     tell(said("putting {effect} in place", effect=OfEffect(effect)), last=True)
     made = Node(session.new("n"), richer, node.captures, "added", effect, **evidence)
     session.put([made], branch, node)
+
+
+def came_along(fit: Fit) -> tuple[Fit, tuple[str, ...]]:
+    """Return the fit with detents where the data show them beside what came in, and what came so."""
+    richer = with_detents(fit)
+    return richer, tuple(one for one in richer.model.effects if one not in fit.model.effects)
+
+
+def _may_come(session: Session, fit: Fit) -> bool:
+    """Whether detents may come in by themselves: there are none, and nobody took them out."""
+    if fit.model.period is not None or not _by_themselves(session.start):
+        return False
+    out = {node.effect for node in session.branch.done if node.how == "dropped"}
+    return out.isdisjoint(base_effects_shown(fit.model.coordinate))
+
+
+def _by_themselves(start: Start) -> bool:
+    """Whether what the data show of the base model is in it, unless somebody said what is."""
+    return start.model is None and start.options.get("detents", "auto") == "auto"
 
 
 def _beside(
@@ -74,8 +97,7 @@ def unasked(session: Session, effect: str, fit: Fit) -> list[str]:
 
     None that somebody added, nor what an effect that comes in now builds on.
     """
-    start = session.start
-    if start.model is not None or start.options.get("detents", "auto") != "auto":
+    if not _by_themselves(session.start):
         return []
     asked = {effect, fit.model.catalogue()[effect].needs, *(one.effect for one in session.branch.done)}
     return [
@@ -132,10 +154,9 @@ def search(session: Session, tell: Tell, enough: Callable[[], bool]) -> Said:
     heard.say("fitting the first model")
     captures = [session.captures[one].capture for one in node.captures]
     first = as_logged(captures, start.model, **start.options)
-    automatic = start.model is None and start.options.get("detents", "auto") == "auto"
     foreign = session.laws_of_others(node) & set(first.model.catalogue())
     given = start.model is not None
-    found = Search(first, foreign, heard.say, heard, given=given, detents=automatic).selected()
+    found = Search(first, foreign, heard.say, heard, given=given, detents=_by_themselves(start)).selected()
     if found.cut is not None and len(found.ladder) == 1:
         return _ended(found)  # nothing had come in
     told = LearningResult(*found)

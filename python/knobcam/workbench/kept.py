@@ -23,6 +23,7 @@ from ..fit import fit, refit
 from ..fit.fitting import as_logged
 from ..model import Model
 from . import ended, sources
+from .adding import came_along
 from .designed import Designed
 from .journal import SCHEMA, read
 from .tree import Branch, Node, Opened, Start
@@ -63,7 +64,7 @@ def of_node(node: Node, after: Node | None) -> Record:
     told: dict[str, Any] = {"id": node.id, "after": None if after is None else after.id, "how": node.how}
     told |= {"effect": node.effect, "captures": list(node.captures), "onward": node.onward}
     told |= {"p_value": node.p_value, "equivalent": list(node.equivalent)}
-    told |= {"also_dropped": list(node.also_dropped), "again": node.again}
+    told |= {"along": list(node.along), "also_dropped": list(node.also_dropped), "again": node.again}
     told |= {"rung": node.rung, "cut": node.cut}
     return {"node": told | {"rmse": node.fit.rmse, "model": node.fit.model.text()}}
 
@@ -269,7 +270,7 @@ def _fit_again(told: Record, found: Again, start: Start) -> None:
         )
     p_value = math.nan if told["p_value"] is None else told["p_value"]
     evidence: dict[str, Any] = {"p_value": p_value, "equivalent": tuple(told["equivalent"])}
-    evidence |= {"also_dropped": tuple(told.get("also_dropped", ()))}
+    evidence |= {name: tuple(told.get(name, ())) for name in ("along", "also_dropped")}
     evidence |= {name: told.get(name) for name in ("again", "rung")}
     evidence |= {"cut": told.get("cut", False)}
     captures = tuple(told["captures"])
@@ -286,9 +287,11 @@ def _fitted(told: Record, before: Node | None, found: Again, start: Start) -> Fi
             return replace(_come_to(captures, known, start), before=before.fit)
         if told["effect"] not in known.laws:
             richer = before.fit.add(told["effect"])
+            # Older journals do not have all of these.
+            richer = came_along(richer)[0] if told.get("along") else richer
             for effect in told.get("also_dropped", ()):
                 richer = richer.drop(effect)
-            again = told.get("again")  # which older journals do not have
+            again = told.get("again")
             return richer.drop(again).add(again) if again else richer
         # A formula has no start of its own: it begins where it came to.
         return replace(fit(captures, known, **_options(start)), before=before.fit)

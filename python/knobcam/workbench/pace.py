@@ -19,7 +19,7 @@ _TICK_S = 0.2
 _TAKES_S = 4.0  # about, of a stage of a design
 _FIRST, _NEXT = 0.1, 0.6  # of the whole: before anything is told, and of the rest each stage after that
 _USUAL = 5.0  # times as long as its first weighing a search goes on, about
-_FEW, _MANY = 4.0, 15.0
+_FEW, _MANY = 4.0, 20.0
 """Times as long: of two motors, a pendulum, a ball-screw axis and a knob with play the least and the most."""
 
 

@@ -14,6 +14,7 @@ from ..learn.proposing import accepted
 from ..model.own import forget_effect
 from ..model.own_law import free_name, guesses
 from ..model.sliding import written
+from ..show.values import with_doubt
 from ..show.words import unit_word
 from . import arrays, formulas
 from .adding import story
@@ -265,16 +266,10 @@ def curve(found: Proposals | None) -> Curve | None:
 def _in_words(params: Mapping[str, Estimate]) -> list[str]:
     """Values with half their 95 % interval, as the parameters of the model have them."""
     words = (
-        f"{name} = {e.value:.4g}{_give_or_take(e)} {unit_word(e.unit)}{' (fixed)' if e.held else ''}"
-        if e.determined
-        else f"{name} {e.interval}"
+        f"{name} = {with_doubt(e)} {unit_word(e.unit)}".strip() if e.determined else f"{name} not determined"
         for name, e in params.items()
     )
-    return [one.replace("-", "−").replace("  ", " ").strip() for one in words]
-
-
-def _give_or_take(e: Estimate) -> str:
-    return f" ± {0.5 * (e.ci95[1] - e.ci95[0]):.2g}" if e.ci95[1] > e.ci95[0] else ""
+    return [f"{one} (fixed)" if e.held else one for one, e in zip(words, params.values(), strict=True)]
 
 
 def doubt_of(params: Mapping[str, Estimate]) -> str:
@@ -289,7 +284,8 @@ def doubt_of(params: Mapping[str, Estimate]) -> str:
 
 def _law(one: Proposal, front: bool, beside: Fit) -> pages.Law:
     coordinate = beside.model.coordinate
-    words = _in_words(one.params)
+    # The numbers of splines say nothing to anybody: what they make is drawn.
+    words = _in_words(one.params) if one.unseen is None else []
     words += ["no shorter law is as good"] if front else []
     return {
         "label": written(one.label, coordinate),
@@ -299,6 +295,6 @@ def _law(one: Proposal, front: bool, beside: Fit) -> pages.Law:
         "rmse_heldout": one.rmse_heldout,
         "variables": list(one.variables),
         "words": words,
-        "doubt": doubt_of(one.params),
+        "doubt": doubt_of(one.params) if one.unseen is None else "",
         "start": one.guess,
     }

@@ -27,6 +27,8 @@ def script(done: Sequence[Node], captures: Mapping[str, Opened], start: Start) -
     lines += ["import knobcam as kc"]
     if any(captures[one].made and PARSED in captures[one].made for one in used):
         lines += ["from knobcam.capture.motion_plan import MotionPlan"]
+    if any(node.along for node in done):
+        lines += ["from knobcam.learn.exchanged import with_detents"]
     lines += ["", *loads]
     for before, node in zip([None, *done], done, strict=False):
         begins = node.rung is not None and not node.cut and (before is None or before.rung != node.rung - 1)
@@ -69,7 +71,8 @@ def _step(node: Node, names: Mapping[str, str], start: Start) -> str:
     if node.how == "added":
         gone = "".join(f".drop({one!r})" for one in node.also_dropped)
         again = f".drop({node.again!r}).add({node.again!r})" if node.again else ""
-        return f"fit = fit.add({node.effect!r}){gone}{again}"
+        added = f"fit.add({node.effect!r})"
+        return f"fit = {f'with_detents({added})' if node.along else added}{gone}{again}"
     if node.how == "dropped":
         return f"fit = fit.drop({node.effect!r})"
     return f"fit = kc.fit({_given(node, names, start)})"

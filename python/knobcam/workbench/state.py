@@ -11,7 +11,7 @@ from ..base import pages
 from ..base.remembered import remembered
 from ..base.said import OfEffect, OfParam, Said, joined, said
 from ..errors import InputError
-from ..fit.doubts import may_be_nothing, unsettled
+from ..fit.doubts import may_be_nothing, said_once, unsettled
 from ..fit.plausible import out_of_range
 from ..learn import LearningResult
 from ..learn.contenders import untold_of_each
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from ..model.effects import Effect
     from .designed import Designed
     from .session import Session
-    from .tree import Branch, Opened
+    from .tree import Branch, Node, Opened
     from .view import View
 
 SCHEMA = "knobcam.workbench/1"
@@ -256,6 +256,7 @@ def _branch(branch: Branch) -> pages.Branch:
                 "node": node.id,
                 "anew": node.how == "fitted" and not node.onward,
                 "added": node.effect if node.how == "added" else None,
+                "along": _along(node, before),
                 "dropped": [
                     *node.also_dropped,
                     *([node.effect] if node.how == "dropped" and node.effect else []),
@@ -265,9 +266,17 @@ def _branch(branch: Branch) -> pages.Branch:
                 "noise_floor": node.fit.noise_floor,
                 "captures": list(node.captures),
             }
-            for node in branch.steps
+            for before, node in zip([None, *branch.steps], branch.steps, strict=False)
         ],
     }
+
+
+def _along(node: Node, before: Node | None) -> list[str]:
+    """Return what came in by itself with an effect, whether one by one or in a search."""
+    if node.how != "added" or before is None:
+        return []
+    there = {*before.fit.model.effects, node.effect}
+    return [one for one in node.fit.model.effects if one not in there]
 
 
 def _parameters(view: View, estimates: Mapping[str, Estimate]) -> list[pages.Param]:
@@ -367,22 +376,9 @@ def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, story: Lear
         return joined(" ", (vain, size, beyond and beyond.sentence))
     # An error like chance's is no proof of a model that no knob can have.
     warned = diagnosis.fit.warnings if compared.complete else ()
-    against = joined("; ", _said_once(warned)) if warned else ""
+    against = joined("; ", said_once(warned)) if warned else ""
     but = said("But {warnings}.", warnings=against) if against else ""
     return joined(" ", (vain, story.left, but))
-
-
-def _said_once(warnings: Sequence[str]) -> list[str]:
-    """Return warnings of which those that say the same of another parameter name that alone."""
-    told: list[str] = []
-    known: set[str] = set()
-    for warning in warnings:
-        first, *rest = warning.parts if isinstance(warning, Said) else (warning,)
-        same = "".join(map(str, rest))
-        alike = isinstance(first, OfParam) and same in known
-        told.append(said("so is {param}", param=first) if alike else warning)
-        known.add(same)
-    return told
 
 
 def _in_vain(effects: list[str]) -> Said | None:

@@ -74,7 +74,8 @@ class Node:
     `how` is what made it: all parameters `fitted` to the `captures`, an `effect` `added` to the node before,
     or `dropped` from it. `onward` says that a `fitted` one started from the model of the node before.
     `p_value`, `equivalent` and `diagnosis` are the evidence for an effect that was weighed before it came in,
-    `also_dropped` what it made needless, `again` what was looked for anew beside it. One that a search for
+    `along` what showed beside it and came in by itself, `also_dropped` what it made needless, `again` what
+    was looked for anew beside it. One that a search for
     everything came to is the `rung` of its ladder, counted from 0; `cut`: of one that a person ended.
     """
 
@@ -87,6 +88,7 @@ class Node:
     p_value: float = math.nan
     equivalent: tuple[str, ...] = ()
     diagnosis: Diagnosis | None = None
+    along: tuple[str, ...] = ()
     also_dropped: tuple[str, ...] = ()
     again: str | None = None
     rung: int | None = None

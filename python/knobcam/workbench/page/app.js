@@ -118,8 +118,8 @@ function named(words4, id) {
 function listed(effects, between3) {
   return effects.flatMap((effect, at) => [at > 0 ? between3 : "", named(titleOf(effect), effect)]);
 }
-function changeOf(added, dropped) {
-  const came = added ? [`+ ${titleOf(added)}`] : [];
+function changeOf({ added, along, dropped }) {
+  const came = added ? [`+ ${[titleOf(added), ...along.map(titleOf)].join(" with ")}`] : [];
   return [...came, ...dropped.map((one) => `− ${titleOf(one)}`)].join(" ");
 }
 
@@ -133,6 +133,16 @@ function number(value, digits = 3) {
 function figure(value, digits = 3) {
   const size = Math.abs(Number((value ?? NaN).toPrecision(digits)));
   return value !== null && size >= 1e-3 && size < 10 ** digits ? value.toPrecision(digits).replaceAll("-", "−") : number(value, digits);
+}
+function asKnown(value, half) {
+  if (!(half > 0)) return number(value, 4);
+  const place4 = Math.floor(Math.log10(Number(half.toPrecision(2)))) - 1;
+  const size = Math.max(Math.abs(value), half);
+  const text = size < 1e-3 || size >= 1e5 ? value.toExponential(Math.max(0, Math.floor(Math.log10(Math.abs(value) || size)) - place4)) : fixed(value, place4);
+  return text.replaceAll("-", "−");
+}
+function fixed(value, place4) {
+  return place4 > 0 ? String(Math.round(value / 10 ** place4) * 10 ** place4) : value.toFixed(Math.min(12, -place4));
 }
 function plain(value, digits) {
   return String(Number(value.toPrecision(digits)));
@@ -197,7 +207,7 @@ function showBranches(place4, state, beside2, deeds) {
     const done = steps.slice(0, at + 1);
     const own = done.slice(done.findLastIndex(({ anew }) => anew));
     const changed = own.filter(({ added, dropped }) => added || dropped.length > 0);
-    const changes = changed.map(({ added, dropped }) => changeOf(added, dropped));
+    const changes = changed.map(changeOf);
     const words4 = changes.join(" ") || "nothing added";
     const card = make(
       "button",
@@ -734,7 +744,7 @@ function showFindings(place4, { captures, active, limitations, disagreements, no
   const apartFrom = disagreements.map((one, at) => disagreement(one, about2, at, openOnes.has(String(at))));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
   const open = place4.querySelector("details:not([data-at])")?.hasAttribute("open") ?? false;
-  const own = found2.length > FEW2 ? [folded(found2, told, open)] : found2;
+  const own = waits(told) ? [folded(found2, told, open)] : found2;
   place4.replaceChildren(...noted, ...apartFrom, ...missing, ...own);
   const again = focused && place4.querySelector(`[data-finding="${CSS.escape(focused)}"]`);
   if (again instanceof HTMLElement) again.focus();
@@ -756,11 +766,21 @@ function alikeInAll([first, ...others]) {
   return new Map(alike.map((one) => [keyOf(one), one]));
 }
 var keyOf = ({ said }) => JSON.stringify(said);
+function waits(told) {
+  return told.length > FEW2 || told.length > 0 && told.every(isNote);
+}
+function countedWords(told) {
+  const kinds = told.map(({ severity, overruled }) => overruled ? "overruled" : severity);
+  const counted2 = [...new Set(kinds)].map((kind) => (
+    /** @type {const} */
+    [kind, kinds.filter((one) => one === kind).length]
+  ));
+  const words4 = counted2.map(([kind, many]) => `${many} ${many > 1 ? PLURAL[kind] ?? kind : kind}`).join(", ");
+  return told.every(isNote) ? `${words4} on the log` : `${isDoubtful(told) ? "⚠ " : ""}${told.length} findings: ${words4}`;
+}
+var isDoubtful = (told) => told.some((one) => !isNote(one) && !one.overruled);
 function folded(items, told, open) {
-  const kinds = Map.groupBy(told, ({ severity, overruled }) => overruled ? "overruled" : severity);
-  const words4 = [...kinds].map(([kind, those]) => `${those.length} ${PLURAL[kind] && those.length > 1 ? PLURAL[kind] : kind}`);
-  const doubtful = told.some((one) => !isNote(one) && !one.overruled);
-  const summary = make("summary", { class: doubtful ? "doubt" : "soft", text: `${doubtful ? "⚠ " : ""}${told.length} findings: ${words4.join(", ")}` });
+  const summary = make("summary", { class: isDoubtful(told) ? "doubt" : "soft", text: countedWords(told) });
   return make("li", {}, make("details", { open }, summary, make("ul", {}, ...items)));
 }
 function finding(found2, { id, name: name2, job }, about2, { see, overrule }) {
@@ -919,6 +939,45 @@ function typeset(latex) {
 function lawOf({ latex, law }) {
   const typed = typeset(latex || (latexOf(law) ?? ""));
   return typed ? make("div", { class: "formula" }, typed) : make("code", { class: "formula", text: law });
+}
+var WRITTEN2 = {
+  ...{ rise: "r", vs: "v_s", dv: "\\Delta v", gap: "g", lag: "T", tau: "T", delay: "t_d", limit: "\\tau_{\\max}", noise: "\\sigma" },
+  ...{ lo: "\\theta_{\\text{lo}}", hi: "\\theta_{\\text{hi}}", k_lo: "k_{\\text{lo}}", k_hi: "k_{\\text{hi}}", D_neg: "D_{-}", D_pos: "D_{+}" }
+};
+function letterOf(name2, latex) {
+  const written = letter(name2);
+  const [turns] = /^\\(theta|tau)/.exec(written) ?? [];
+  return turns && !latex.includes(turns) ? written.replace(turns, turns === "\\tau" ? "F" : "x") : written;
+}
+function letter(name2) {
+  if (name2 in WRITTEN2) return WRITTEN2[name2];
+  const [, base, index] = /^([A-Za-z]|alpha|delta|theta|mu|tau|phi)(?:_?(\d+|theta|alpha))?$/.exec(name2) ?? [];
+  if (!base) return `\\text{${name2}}`;
+  const sign = (word) => word === "phi" ? "\\varphi" : word in SIGNS ? `\\${word}` : word;
+  return index ? `${sign(base)}_{${sign(index)}}` : sign(base);
+}
+var OTHERS = [
+  [/C_\{\\pm\}/, "C_{\\pm}", "dry friction of each direction"],
+  [/\\theta(?!_|\s*_)/, "\\theta", "angle"],
+  [/^(?!.*\\theta).*(?<![A-Za-z\\])x(?!_)/, "x", "position"],
+  [/\\omega/, "\\omega", "velocity"],
+  [/(?<![A-Za-z\\])v(?!_)/, "v", "velocity"],
+  [/\\alpha/, "\\alpha", "acceleration"],
+  [/\\delta(?!\})/, "\\delta", "twist of the joint"]
+];
+function othersIn(latex, own) {
+  const letters = new Set(own.map((name2) => letterOf(name2, latex)));
+  return OTHERS.filter(([there, tex]) => there.test(latex) && !letters.has(tex)).map(([, tex, meaning]) => (
+    /** @type {const} */
+    [tex, meaning]
+  ));
+}
+function printed(tex) {
+  return typeset(tex) ?? tex;
+}
+function lettersOf(names, latex) {
+  const [first, last] = [names[0], names[names.length - 1]].map((name2) => letterOf(name2, latex));
+  return make("span", {}, typeset(first) ?? names[0], ...names.length > 1 ? [" … ", typeset(last) ?? last] : []);
 }
 function parsed(latex) {
   const tokens = latex.match(/\\[A-Za-z]+|\\.|[0-9.]+|\s+|[^\s]/g) ?? [];
@@ -1113,6 +1172,7 @@ function showUntold(place4, { untold, needless }, apart2, drop) {
 // src/candidates.js
 var NOTHING = "No effect that was weighed explains enough of what is left.";
 var NO_MORE = "Nothing that was weighed is still missing.";
+var FEW3 = 4;
 var NAMED = 0.01;
 var ALONE = "Weighed one at a time; Find everything weighs sets too, from the first model on, and may end elsewhere.";
 var Candidates = class {
@@ -1200,7 +1260,7 @@ var Candidates = class {
       make("span", { class: "figure", text: percent(-Math.max(0, row.error_fall)), title: "fall of the RMS error" }),
       make("span", { class: "deeds" }, this.deeds.about ? what : null, take),
       make("span", { class: "alike", text: row.name }),
-      row.could_be ? make("span", { class: "alike law-of" }, lawOf(row)) : null,
+      ...row.could_be ? [make("span", { class: "alike law-of" }, lawOf(row)), meant(row)] : [],
       make("span", { class: "evidence soft", text: evidence(row, about2) }),
       this.untold(row),
       ...remarks(row).map((words4) => make("span", { class: "alike soft" }, ...words4)),
@@ -1270,6 +1330,12 @@ function outWords(rows) {
 function evidence(row, about2) {
   const chance = row.p_value <= 1e-3 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
   return `${sentence(row.said, about2)} (${chance})`;
+}
+function meant({ letters, latex }) {
+  if (letters.length === 0 || letters.length > FEW3) return null;
+  const friction = othersIn(latex, []).filter(([tex]) => tex.startsWith("C_"));
+  const parts = [...letters.map(({ names, meaning }) => [lettersOf(names, latex), meaning]), ...friction.map(([tex, meaning]) => [printed(tex), meaning])];
+  return make("span", { class: "alike soft meant" }, ...parts.flatMap(([letter2, meaning], at) => [at > 0 ? " · " : "", letter2, ` ${meaning}`]));
 }
 function remarks({ equivalent, confused, note }) {
   const others = confused.filter((effect) => !equivalent.includes(effect));
@@ -1672,6 +1738,7 @@ function about(effect, shown2) {
   byId("about-text").replaceChildren(
     make("p", { text: sentence2 }),
     lawOf(effect),
+    meanings2(effect),
     shown2 ? acting(effect, shown2) : "",
     make("div", { class: "columns-of-two" }, listed2("Usual causes", causes), listed2("What helps", remedies)),
     make("p", { class: "soft", text: `Acts on the ${PLACES[place4] ?? place4}. Shows ${shows}. Source: ${source}.` }),
@@ -1689,6 +1756,12 @@ function about(effect, shown2) {
     },
     (reason2) => frame.replaceChildren(make("p", { class: "wrong", text: wordsOf(reason2) }))
   );
+}
+function meanings2({ letters, latex }) {
+  const rows = letters.map(({ names, meaning, unit }) => make("li", {}, lettersOf(names, latex), ` ${meaning}`, unitWords(unit) ? `, ${unitWords(unit)}` : ""));
+  const own = letters.flatMap(({ names }) => names);
+  rows.push(...othersIn(latex, own).map(([tex, words4]) => make("li", {}, printed(tex), ` ${words4}`)));
+  return rows.length > 0 ? make("ul", { class: "letters soft", "aria-label": "letters of the law" }, ...rows) : "";
 }
 function listed2(title, phrases) {
   if (phrases.length === 0) return null;
@@ -2263,10 +2336,10 @@ function showLadder(place4, state) {
   const widest = Math.max(...errors.map((error) => error ?? 0), ...steps.map((step) => step.noise_floor ?? 0)) * 1.02;
   const scale = torqueScale(state);
   const shown2 = (value) => figure(value === null ? null : value * scale.factor);
-  const lines = steps.map(({ added, dropped, rmse, rmse_heldout, noise_floor }, at) => {
+  const lines = steps.map(({ added, along, dropped, rmse, rmse_heldout, noise_floor }, at) => {
     const now = at === here;
     const undone = at > here;
-    const label = changeOf(added, dropped) || (at === 0 ? "first model" : "fitted anew");
+    const label = changeOf({ added, along, dropped }) || (at === 0 ? "first model" : "fitted anew");
     const bar2 = make("span", { class: "bar" });
     const held = make("span", { class: "held" });
     bar2.style.width = `${100 * rmse / widest}%`;
@@ -2276,7 +2349,7 @@ function showLadder(place4, state) {
     return make(
       "li",
       { class: `ladder-line${now ? " now" : ""}${undone ? " undone" : ""}`, "aria-current": now ? "step" : null },
-      make("span", { class: "label", text: label, title: [added, ...dropped].filter(Boolean).join(", ") || label }),
+      make("span", { class: "label", text: label, title: [added, ...along, ...dropped].filter(Boolean).join(", ") || label }),
       make("span", { class: "figure", text: shown2(rmse), title: "RMS error" }),
       make("span", { class: "figure soft", text: shown2(rmse_heldout), title: "on blocks that the fit did not see" }),
       track
@@ -2301,7 +2374,7 @@ function sameCaptures(steps, at) {
   return { steps: steps.slice(first, end), at: at - first };
 }
 function broughtAlong({ steps, at }, carried) {
-  const brought = carried.map((one) => ({ ...steps[0], dropped: [], ...one }));
+  const brought = carried.map((one) => ({ ...steps[0], along: [], dropped: [], ...one }));
   return brought.length > 1 ? { steps: [...brought, ...steps.slice(1)], at: at + brought.length - 1 } : { steps, at };
 }
 function floorWords(steps, here, shown2) {
@@ -2464,6 +2537,12 @@ function overWords(over, about2) {
 }
 function factorOf(times2) {
   return times2 in ALONG ? variableOf(times2) : `(${times2})`;
+}
+var TURNS = { t: "t", theta: "θ", omega: "ω", alpha: "α", s: "s" };
+var SLIDES = { ...TURNS, theta: "x", omega: "v", alpha: "dv/dt" };
+function lettered(variables, { coordinate }) {
+  const letters = coordinate === "linear" ? SLIDES : TURNS;
+  return variables.map((one) => one in letters ? `${variableOf(one)} ${letters[one]}` : variableOf(one)).join(", ");
 }
 function variableOf(variable) {
   const along = (
@@ -2650,7 +2729,7 @@ var Laws = class {
   }
   /** @param {Law} row @param {number} number */
   item({ label, law, variables, words: words4, doubt, fall, start }, number3) {
-    const of = `over ${variables.map(variableOf).join(", ")}`;
+    const of = `over ${this.about ? lettered(variables, this.about) : ""}`;
     const edit = make("button", {
       ...{ type: "button", text: "Edit…", "aria-label": `edit law ${number3}`, title: "as a formula of your own" },
       on: { click: () => edited(law, start) }
@@ -2734,10 +2813,10 @@ function showLeft(left, { go, anew }) {
   const other = make("button", { type: "button", on: { click: anew } }, "Start anew");
   byId("left-rows").replaceChildren(...rows, make("li", {}, other));
 }
-var FEW3 = 2;
+var FEW4 = 2;
 function called({ captures }) {
-  const more = captures.length - FEW3;
-  return more > 1 ? `${captures.slice(0, FEW3).join(", ")} and ${more} more` : captures.join(", ");
+  const more = captures.length - FEW4;
+  return more > 1 ? `${captures.slice(0, FEW4).join(", ")} and ${more} more` : captures.join(", ");
 }
 function words3({ steps, ended, when }) {
   const at = when === null ? "" : ` ${new Date(1e3 * when).toLocaleString([], { dateStyle: "medium", timeStyle: "short" })}`;
@@ -3090,7 +3169,7 @@ function idle(work) {
 }
 
 // src/plot.js
-var FEW4 = 8e3;
+var FEW5 = 8e3;
 var FEW_CHOSEN = 20;
 var CLOUDS = 8;
 var AT_ONCE = 5e4;
@@ -3143,7 +3222,7 @@ var Plot = class {
     const inner = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom];
     const [columns, rows] = inner.map((length) => Math.max(8, Math.round(length * this.scale)));
     const part = { x: xAxis.part ?? false, y: yAxis.part ?? false };
-    const many = x.length > FEW4 && !(part.x && fewBetween(x, xAxis));
+    const many = x.length > FEW5 && !(part.x && fewBetween(x, xAxis));
     const dot2 = Math.max(1, Math.round((many ? 2 : 3) * this.scale));
     this.frame = { width: columns, height: rows, x: [xAxis.low, xAxis.high], y: [yAxis.low, yAxis.high], dot: dot2, part };
     this.pick = null;
@@ -3297,8 +3376,8 @@ var Plot = class {
 };
 function fewBetween(x, { low, high }) {
   let count = 0;
-  for (let i = 0; i < x.length && count <= FEW4; i++) if (x[i] >= low && x[i] <= high) count++;
-  return count <= FEW4;
+  for (let i = 0; i < x.length && count <= FEW5; i++) if (x[i] >= low && x[i] <= high) count++;
+  return count <= FEW5;
 }
 
 // src/settling.js
@@ -3381,8 +3460,8 @@ function zoomed([low, high], whole, at, factor2) {
   const all = whole[1] - whole[0];
   const span4 = Math.max(CLOSEST * all, factor2 * (high - low));
   if (!(span4 < all)) return null;
-  const fixed = low + at * (high - low);
-  return within2([fixed - at * span4, fixed + (1 - at) * span4], whole);
+  const fixed2 = low + at * (high - low);
+  return within2([fixed2 - at * span4, fixed2 + (1 - at) * span4], whole);
 }
 function panned([low, high], whole, share) {
   const step = share * (high - low);
@@ -4921,7 +5000,7 @@ var Params = class {
     for (const [at, param] of params.entries()) {
       const row = this.rows.get(param.name);
       if (!row) continue;
-      const shown2 = number(param.value * row.factor, 4);
+      const shown2 = param.dragged ? number(param.value * row.factor, 4) : asKnown(param.value * row.factor, halfOf(param) * row.factor);
       row.value.textContent = shown2;
       row.apart.textContent = apart(param);
       row.error.hidden = param.dragged;
@@ -5030,10 +5109,14 @@ function span3({ fitted, ci95, lower, upper }) {
   const reach2 = Math.max(Math.abs(fitted), half, 1e-9);
   return { low: Math.max(fitted - reach2, lower ?? -Infinity), high: Math.min(fitted + reach2, upper ?? Infinity) };
 }
+function halfOf({ ci95 }) {
+  return ci95 ? 0.5 * (ci95[1] - ci95[0]) : NaN;
+}
 function plusMinus({ ci95, role }, factor2 = 1) {
   if (role === "fixed") return "fixed";
   if (!ci95) return "± ?";
-  return ci95[1] > ci95[0] ? `± ${number(0.5 * factor2 * (ci95[1] - ci95[0]), 2)}` : "";
+  const half = factor2 * halfOf({ ci95 });
+  return half > 0 ? `± ${asKnown(half, half)}` : "";
 }
 function interval(ci95, { low, high }) {
   if (!ci95 || !(high > low)) return null;
