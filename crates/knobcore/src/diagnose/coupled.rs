@@ -5,7 +5,7 @@
 
 use super::screen::{Screen, Start, alone};
 use super::shown::{detents, shown};
-use super::slower::{self, BEFORE, COARSE_HZ, MIDDLE_HZ, beginnings, slowed};
+use super::slower::{self, BEFORE, COARSE_HZ, MIDDLE_HZ, beginnings, enough, slowed};
 use super::strides::{FEW, strides};
 use super::thinned::Thinned;
 use super::unseen::seen_next;
@@ -53,10 +53,13 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool) -> Vec<Ways
     let first: Vec<&Signals> = first.iter().collect();
     let coarse = slowed(&first, COARSE_HZ);
     let coarse: Vec<&Signals> = coarse.iter().collect();
-    let screen = Screen::new(&coarse, base, watch);
+    let without = squares(&coarse, base);
+    let few = slowed(&beginnings(data, GLANCED).iter().collect::<Vec<_>>(), COARSE_HZ);
+    let few: Vec<&Signals> = few.iter().collect();
+    let screen = Screen::new(&few, base, watch);
     // What is in the model beside the base may load the shaft as well as the knob.
     let beside: Vec<Id> = base.effects().filter(|id| Model::may_be_at_shaft(*id)).collect();
-    let shaft = (!beside.is_empty()).then(|| Screen::new(&coarse, base, watch).with_shaft(beside.clone()));
+    let shaft = (!beside.is_empty()).then(|| Screen::new(&few, base, watch).with_shaft(beside.clone()));
     let floor = slower::floor(&first, COARSE_HZ, &coarse, base);
     let middle = slowed(data, MIDDLE_HZ);
     let middle: Vec<_> = middle.iter().collect();
@@ -78,23 +81,31 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool) -> Vec<Ways
         ways.push(Ways { id: *id, starts, end: None });
     }
     alone(&mut looked);
-    let few = slowed(&beginnings(data, GLANCED).iter().collect::<Vec<_>>(), COARSE_HZ);
-    let few: Vec<&Signals> = few.iter().collect();
     let mut seen = watch.each(&looked, |(of, model)| (*of, on(model, |m| glance(&few, m))));
     seen.sort_by_cached_key(cost);
     let own = |of: usize| seen.iter().filter(move |(own, _)| *own == of).take(FOLLOWED);
-    let few: Vec<_> = (0..ways.len()).flat_map(own).collect();
-    let mut ends = watch.each(&few, |(of, (model, _))| (*of, on(model, |model| sketch(&coarse, model))));
+    let coarsely = |few: Vec<&(usize, (Model, Found))>| {
+        watch.each(&few, |(of, (model, _))| (*of, on(model, |model| sketch(&coarse, model))))
+    };
+    let mut ends = coarsely((0..ways.len()).filter_map(|of| own(of).next()).collect());
+    // Where one leads to what noise leaves no other is needed.
+    let enough = enough(&coarse, floor);
+    let found = |(of, (model, _)): &(usize, (Model, Found))| {
+        ends.iter()
+            .any(|(own, (end, found))| own == of && end.shafts() == model.shafts() && found.cost <= enough)
+    };
+    let rest = (0..ways.len()).flat_map(|of| own(of).skip(1)).filter(|one| !found(one)).collect();
+    ends.extend(coarsely(rest));
     ends.sort_by_cached_key(cost);
     others(&mut ends, f64::INFINITY);
-    let strode = |view: &Screen<'_>, ends: &Ends, floor: f64| {
-        watch.each(ends, |(of, end)| (*of, strode(view.data, end.clone(), floor, view.squares, watch)))
+    let strode = |(view, without): (&[&Signals], f64), ends: &Ends, floor: f64| {
+        watch.each(ends, |(of, end)| (*of, strode(view, end.clone(), floor, without, watch)))
     };
     // Without a floor nothing can be said to be too little.
-    let enough = if floor.is_nan() { 0.0 } else { rule().worth_coarse * (screen.squares - floor) };
-    let mut ends = strode(&screen, &ends, floor);
+    let worth = if floor.is_nan() { 0.0 } else { rule().worth_coarse * (without - floor) };
+    let mut ends = strode((&coarse, without), &ends, floor);
     ends.sort_by_cached_key(cost);
-    let most = rival(&ends, screen.squares, floor).min(screen.squares - enough);
+    let most = rival(&ends, without, floor).min(without - worth);
     let (ends, _) = rivals(most, ends);
     let (mut ends, mut worse) = open(ends);
     others(&mut ends, f64::INFINITY);
@@ -113,7 +124,7 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool) -> Vec<Ways
     worse.extend(more);
     let (between, shut) = open(between);
     worse.extend(shut);
-    let mut between = strode(&view, &between, middle_floor);
+    let mut between = strode((view.data, view.squares), &between, middle_floor);
     between.sort_by_cached_key(cost);
     others(&mut between, RIVAL);
     let (first, rest) = between.split_at(between.len().min(FINE));
@@ -267,7 +278,7 @@ pub(super) fn strode(
     without: f64,
     watch: &Watch<'_>,
 ) -> (Model, Found) {
-    if found.cost <= rule().converged.powi(2) * floor || found.cost > RIVAL * without {
+    if found.cost <= enough(data, floor) || found.cost > RIVAL * without {
         return (model, found);
     }
     on(&strides(data, &model, floor, FEW, watch), |model| sketch(data, model))

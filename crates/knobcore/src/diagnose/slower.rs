@@ -4,7 +4,9 @@
 use crate::filter::{ZeroPhase, cheby2};
 use crate::floor::Floor;
 use crate::model::Model;
+use crate::noise::Noise;
 use crate::prepare::slower;
+use crate::rule::rule;
 use crate::signals::Signals;
 
 /// Stopband edges at 5 kHz of the filter that the search goes through and of the one in between, Hz.
@@ -65,6 +67,15 @@ pub fn floor(data: &[&Signals], edge_hz: f64, slowed: &[&Signals], model: &Model
     Floor::of(&whole, model).squares * used(slowed) / used(&whole)
 }
 
+/// The sum of squares of captures that needs no better end where noise leaves so much of it, on average: so little passes a
+/// slow filter that it is more one time and less another. One standard error more is nothing to look for.
+pub fn enough(data: &[&Signals], floor: f64) -> f64 {
+    let white = Noise::white(1.0);
+    let alike = data.iter().map(|signals| white.alike(signals.filter.as_ref())).fold(1.0, f64::max);
+    let rows = data.iter().map(|signals| signals.used()).sum::<usize>().max(1) as f64;
+    rule().converged.powi(2) * floor * (1.0 + (2.0 * alike / rows).sqrt())
+}
+
 /// A capture through a filter with this edge; none where it is sampled too slowly for it.
 fn behind(signals: &Signals, edge_hz: f64) -> Option<Signals> {
     let filter = ZeroPhase::new(cheby2(3, 20.0, edge_hz, signals.rate_hz).ok()?);
@@ -119,6 +130,11 @@ mod tests {
 
     /// A wheel turned to and fro in two stretches, its torque measured with white noise of this standard deviation, N m.
     fn measured(sd: f64) -> (Signals, Model) {
+        drawn(sd, 3)
+    }
+
+    /// The same with noise that is drawn from a seed.
+    fn drawn(sd: f64, seed: u64) -> (Signals, Model) {
         let mut model = Model::equation_1(Axis::Rotary, false);
         model.set("inertia.M", 1e-4).unwrap();
         let over =
@@ -135,7 +151,7 @@ mod tests {
             segments: vec![10..9_000, 9_100..20_000],
             ..Signals::default()
         };
-        let mut noise = Noise::new(3);
+        let mut noise = Noise::new(seed);
         signals.tau_raw =
             predict::torque_raw(&model, &signals).iter().map(|tau| tau + sd * noise.normal()).collect();
         signals.tau = signals.tau_raw.clone();
@@ -164,6 +180,25 @@ mod tests {
         let left: f64 = there.iter().zip(&slow[0].tau).map(|(there, tau)| (there - tau).powi(2)).sum();
         let expected = floor(&[&signals], COARSE_HZ, &slow, &model);
         assert!((0.75..1.33).contains(&(left / expected)), "{left} {expected}");
+    }
+
+    #[test]
+    fn of_captures_of_nothing_but_noise_half_or_so_need_no_better_end() {
+        let below = |seed: u64| {
+            let (signals, model) = drawn(1e-3, seed);
+            let slow = slowed(&[&signals], COARSE_HZ);
+            let slow: Vec<&Signals> = slow.iter().collect();
+            let floor = floor(&[&signals], COARSE_HZ, &slow, &model);
+            let there = predict::torque(&model, slow[0]);
+            let left: f64 = there.iter().zip(&slow[0].tau).map(|(there, tau)| (there - tau).powi(2)).sum();
+            assert!(enough(&slow, floor) < 1.2 * floor);
+            left <= enough(&slow, floor)
+        };
+        // The ends of segments, where the filter has less to go by, leave a tenth more.
+        let few = (0..40).filter(|seed| below(*seed)).count();
+        assert!((12..=30).contains(&few), "{few}");
+        let (signals, _) = drawn(1e-3, 3);
+        assert!(enough(&[&signals], f64::NAN).is_nan());
     }
 
     #[test]
