@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import Any
 
+import hidden
 import numpy as np
 import pytest
 from known import BASE, Known, climbed
@@ -307,3 +308,12 @@ def test_the_fit_of_a_model_with_a_joint_ends_no_higher_than_where_it_began(knob
         model = model.with_value(name, value)
     capture = kc.simulate(model, motion, duration_s=3.0, seed=4)
     assert kc.fit(capture, model).rmse <= kc.fit(capture, model.frozen()).rmse
+
+
+def test_a_stiff_shaft_that_friction_over_a_way_nearly_explains_is_the_shaft_and_that_friction_is_itself():
+    for effect, seed, other in (("compliance", 472002, "presliding"), ("presliding", 472000, "compliance")):
+        knob = hidden.make(seed, [effect])
+        columns = {name.partition("_")[0]: column for name, column in knob.capture.items()}
+        diagnosis = kc.fit(kc.Capture.from_arrays(**columns)).diagnose()
+        assert diagnosis.best is not None and diagnosis.best.effect == effect
+        assert other not in diagnosis.best.equivalent

@@ -76,8 +76,14 @@ fn weigh(
     let explained = left <= rule().explained * floor.squares && better || most;
     // Who asks for couplings alone wants to know.
     let asked = quick.is_empty() || left.is_nan() || floor.squares.is_nan() || !explained;
+    let rival = if asked { None } else { like_a_joint(&found, &slow) };
+    if let Some(rival) = rival {
+        // It may be one, which then explains more.
+        let joints = coupled(&screen, &slow, false, Some(&rival)).into_iter().map(told);
+        found.extend(joints.filter(|(joint, _)| joint.fit.is_some()));
+    }
     if asked && !slow.is_empty() {
-        let joints: Vec<_> = coupled(&screen, &slow, may_come).into_iter().map(told).collect();
+        let joints: Vec<_> = coupled(&screen, &slow, may_come, None).into_iter().map(told).collect();
         let own = detents().filter(|own| !joints.is_empty() && !model.has(*own));
         let known = found.iter().map(|(one, _)| one).find(|one| Some(one.id) == own).cloned();
         // Who asks for a joint alone gets one without detents rather than none.
@@ -86,7 +92,7 @@ fn weigh(
         let mut joints: Vec<_> =
             joints.into_iter().map(|(joint, starts)| (needed(joint, rigid.as_ref()), starts)).collect();
         if alone.is_some() && joints.iter().all(|(joint, _)| joint.fit.is_none()) {
-            joints = coupled(&screen, &slow, false).into_iter().map(told).collect();
+            joints = coupled(&screen, &slow, false, None).into_iter().map(told).collect();
         }
         found.extend(joints);
     }
@@ -111,6 +117,14 @@ fn weigh(
         .collect();
     candidates.sort_by_cached_key(|one| descending(one.gain));
     Some(candidates)
+}
+
+/// The model with what explains most, where that looks like one of these joints.
+fn like_a_joint(found: &[(Candidate, Vec<Start>)], joints: &[Id]) -> Option<Model> {
+    let worth = |one: &Candidate| one.gain - rule().price * one.parameters as f64;
+    let (best, _) = found.iter().max_by(|(a, _), (b, _)| worth(a).total_cmp(&worth(b)))?;
+    let alike = |id: &Id| id.info().confused.contains(&best.id.info().id);
+    Some(best.fit.as_ref().filter(|_| joints.iter().any(alike))?.model.clone())
 }
 
 /// Fits effects beside the screen's model. `noise` is the variance of its white part, and what it leaves of the sum of
@@ -248,41 +262,6 @@ mod tests {
             assert_eq!(model.at_shaft(Id::ReturnSpring), at_shaft);
             assert!((model.values()[model.index("return_spring.k").unwrap()] - 0.1).abs() < 0.003);
         }
-    }
-
-    #[test]
-    fn a_step_promises_of_what_is_linear_what_a_fit_then_takes_off() {
-        let mut truth = knob(&[Id::ReturnSpring], &[("return_spring.k", 2e-3)]);
-        truth.set("coulomb.pos", 6e-3).unwrap();
-        let data = recorded(&truth, "a");
-        let data = [&data];
-        let base = refine(&data, &knob(&[], &[])).unwrap().model;
-        let watch = Watch::new(&|_| true, 1);
-        let screen = Screen::new(&data, &base, &watch);
-        for id in [Id::QuadraticDrag, Id::Unbalance] {
-            let start = &screen.starts(id)[0];
-            let end = sketch(&data, &start.model).cost;
-            assert!((start.predicted / end - 1.0).abs() < 0.02, "{id:?}: {} {end}", start.predicted);
-            assert!(end < screen.squares);
-        }
-    }
-
-    #[test]
-    fn of_detents_that_are_the_harmonic_of_slower_ones_a_step_promises_what_a_fit_then_takes_off() {
-        let detents =
-            [("detent.A", 6e-3), ("detent.P", 0.1), ("detent.S", 0.3), ("detent_harmonics.A2", 0.03)];
-        let truth = knob(&[Id::Detent, Id::DetentHarmonics], &detents);
-        let data = recorded(&truth, "a");
-        let data = [&data];
-        let half = [("detent.A", 0.03), ("detent.P", 0.05), ("detent.S", 0.3)];
-        let base = refine(&data, &knob(&[Id::Detent], &half)).unwrap().model;
-        let watch = Watch::new(&|_| true, 1);
-        let screen = Screen::new(&data, &base, &watch);
-        let start = &screen.starts(Id::DetentHarmonics)[0];
-        let period = start.model.values()[start.model.period().unwrap()];
-        let end = sketch(&data, &start.model).cost;
-        assert!((period / 0.1 - 1.0).abs() < 0.01 && end < 0.5 * screen.squares, "{period}");
-        assert!((start.predicted / end - 1.0).abs() < 0.1, "{} {end}", start.predicted);
     }
 
     #[test]

@@ -46,8 +46,9 @@ pub struct Ways {
 }
 
 /// Couplings beside a screen's model, fitted from coarse to fine. What explains much less of it through the coarse
-/// filter than another does is not followed further. If they `may_come`, detents come with them that show through them.
-pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool) -> Vec<Ways> {
+/// filter than another does is not followed further, nor what explains less than a `rival` that looks like one. If they
+/// `may_come`, detents come with them that show through them.
+pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool, rival: Option<&Model>) -> Vec<Ways> {
     let (data, base, watch) = (whole.data, whole.model, whole.watch);
     let first = beginnings(data, ENOUGH);
     let first: Vec<&Signals> = first.iter().collect();
@@ -83,9 +84,17 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool) -> Vec<Ways
     alone(&mut looked);
     let mut seen = watch.each(&looked, |(of, model)| (*of, on(model, |m| glance(&few, m))));
     seen.sort_by_cached_key(cost);
+    // What a rival leaves, and what leaves about as much; a few steps alone lead but a part of the way.
+    let beaten = |view: &[&Signals]| rival.map_or(f64::INFINITY, |model| squares(view, model));
+    let close = |view: &[&Signals]| RIVAL * beaten(view);
+    let within =
+        |view: &[&Signals]| (close(view) / view.iter().map(|one| one.used() as f64).sum::<f64>()).sqrt();
+    let halfway = rival.map_or(f64::INFINITY, |_| 0.5 * (beaten(&few) + screen.squares));
+    let (seen, _) = rivals(halfway, seen);
     let own = |of: usize| seen.iter().filter(move |(own, _)| *own == of).take(FOLLOWED);
     let coarsely = |few: Vec<&(usize, (Model, Found))>| {
-        watch.each(&few, |(of, (model, _))| (*of, on(model, |model| sketch(&coarse, model))))
+        let rmse = within(&coarse);
+        watch.each(&few, |(of, (model, _))| (*of, on(model, |m| sketch_within(&coarse, m, rmse))))
     };
     let mut ends = coarsely((0..ways.len()).filter_map(|of| own(of).next()).collect());
     // Where one leads to what noise leaves no other is needed.
@@ -96,6 +105,7 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool) -> Vec<Ways
     };
     let rest = (0..ways.len()).flat_map(|of| own(of).skip(1)).filter(|one| !found(one)).collect();
     ends.extend(coarsely(rest));
+    let (mut ends, _) = rivals(close(&coarse), ends);
     ends.sort_by_cached_key(cost);
     others(&mut ends, f64::INFINITY);
     let strode = |(view, without): (&[&Signals], f64), ends: &Ends, floor: f64| {
@@ -105,7 +115,7 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool) -> Vec<Ways
     let worth = if floor.is_nan() { 0.0 } else { rule().worth_coarse * (without - floor) };
     let mut ends = strode((&coarse, without), &ends, floor);
     ends.sort_by_cached_key(cost);
-    let most = rival(&ends, without, floor).min(without - worth);
+    let most = least_of(&ends, without, floor).min(without - worth);
     let (ends, _) = rivals(most, ends);
     let (mut ends, mut worse) = open(ends);
     others(&mut ends, f64::INFINITY);
@@ -117,10 +127,12 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool) -> Vec<Ways
     };
     detented.extend(softer(&ends, COARSE_HZ, MIDDLE_HZ));
     detented.extend(ends.into_iter().map(|(of, (model, _))| (of, model)));
-    let mut between = watch.each(&detented, |(of, model)| (*of, on(model, |m| sketch(&middle, m))));
+    let rmse = within(&middle);
+    let between = watch.each(&detented, |(of, model)| (*of, on(model, |m| sketch_within(&middle, m, rmse))));
+    let (mut between, _) = rivals(close(&middle), between);
     between.sort_by_cached_key(cost);
     others(&mut between, RIVAL);
-    let (between, more) = rivals(rival(&between, view.squares, middle_floor), between);
+    let (between, more) = rivals(least_of(&between, view.squares, middle_floor), between);
     worse.extend(more);
     let (between, shut) = open(between);
     worse.extend(shut);
@@ -151,7 +163,7 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool) -> Vec<Ways
 }
 
 /// What an end may leave at most that is a rival of the best of these, where so much is left without a coupling.
-fn rival(ends: &Ends, squares: f64, floor: f64) -> f64 {
+fn least_of(ends: &Ends, squares: f64, floor: f64) -> f64 {
     let floor = if floor.is_nan() { 0.0 } else { floor };
     let best = ends.iter().map(|(_, (_, found))| found.cost).fold(f64::INFINITY, f64::min);
     floor + rule().rival_coarse * (best - floor).max(0.0) + rule().close_coarse * (squares - floor)

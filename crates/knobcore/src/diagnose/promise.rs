@@ -81,3 +81,46 @@ impl Screen<'_> {
 fn met(chance: &Chance, directions: &[Vec<f64>]) -> Vec<Vec<f64>> {
     directions.iter().map(|direction| chance.met_by(direction)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::recorded::{knob, recorded};
+    use super::super::watch::Watch;
+    use super::*;
+    use crate::fit::{refine, sketch};
+
+    #[test]
+    fn a_step_promises_of_what_is_linear_what_a_fit_then_takes_off() {
+        let mut truth = knob(&[Id::ReturnSpring], &[("return_spring.k", 2e-3)]);
+        truth.set("coulomb.pos", 6e-3).unwrap();
+        let data = recorded(&truth, "a");
+        let data = [&data];
+        let base = refine(&data, &knob(&[], &[])).unwrap().model;
+        let watch = Watch::new(&|_| true, 1);
+        let screen = Screen::new(&data, &base, &watch);
+        for id in [Id::QuadraticDrag, Id::Unbalance] {
+            let start = &screen.starts(id)[0];
+            let end = sketch(&data, &start.model).cost;
+            assert!((start.predicted / end - 1.0).abs() < 0.02, "{id:?}: {} {end}", start.predicted);
+            assert!(end < screen.squares);
+        }
+    }
+
+    #[test]
+    fn of_detents_that_are_the_harmonic_of_slower_ones_a_step_promises_what_a_fit_then_takes_off() {
+        let detents =
+            [("detent.A", 6e-3), ("detent.P", 0.1), ("detent.S", 0.3), ("detent_harmonics.A2", 0.03)];
+        let truth = knob(&[Id::Detent, Id::DetentHarmonics], &detents);
+        let data = recorded(&truth, "a");
+        let data = [&data];
+        let half = [("detent.A", 0.03), ("detent.P", 0.05), ("detent.S", 0.3)];
+        let base = refine(&data, &knob(&[Id::Detent], &half)).unwrap().model;
+        let watch = Watch::new(&|_| true, 1);
+        let screen = Screen::new(&data, &base, &watch);
+        let start = &screen.starts(Id::DetentHarmonics)[0];
+        let period = start.model.values()[start.model.period().unwrap()];
+        let end = sketch(&data, &start.model).cost;
+        assert!((period / 0.1 - 1.0).abs() < 0.01 && end < 0.5 * screen.squares, "{period}");
+        assert!((start.predicted / end - 1.0).abs() < 0.1, "{} {end}", start.predicted);
+    }
+}

@@ -218,7 +218,7 @@ fn what_a_joint_is_searched_through() {
     told.numbers("in strides", strides(&data, &off, Floor::of(&data, &off).squares, ROUNDS, &watch).values());
     let short = part(&joint, "a", 0..1000, None);
     let short = [&short];
-    for way in coupled(&Screen::new(&short, &base, &watch), &[Id::Backlash, Id::Compliance], false) {
+    for way in coupled(&Screen::new(&short, &base, &watch), &[Id::Backlash, Id::Compliance], false, None) {
         promised(&mut told, way.id.info().id, &way.starts);
         if let Some((model, found)) = &way.end {
             told.numbers("  end", [found.cost].into_iter().chain(model.values()));
