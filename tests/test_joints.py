@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import hidden
 import numpy as np
@@ -156,6 +156,14 @@ def test_of_what_cannot_be_told_apart_the_first_comes_in_that_is_possible_at_its
     # Of what is no joint the sketch tells whether it is possible.
     followed.clear()
     assert joints.followed_to(diagnosis, third) == (third, "late at its end") and followed == ["late"]
+    # What comes in with it may bend a joint that was possible without.
+    monkeypatch.setattr(
+        joints, "implausible", lambda one, before: ("no",) if "soft at its end, " in one.fit else ()
+    )
+    diagnosis.candidates = (best, other)
+    assert joints.followed_to(diagnosis, best) == (best, "soft at its end")
+    whole: Any = joints.followed_to(diagnosis, best, lambda fit: cast(Any, f"{fit}, with detents"))
+    assert whole == (other, "slips at its end, with detents")
 
 
 def test_a_joint_and_the_other_in_its_place_are_judged_with_what_else_there_is(

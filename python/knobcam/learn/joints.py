@@ -93,18 +93,21 @@ def _explains(rmse: float, fit: Fit) -> bool:
     return (left <= RULE.explained * floor and better) or before - left >= RULE.enough * excess
 
 
-def followed_to(diagnosis: Diagnosis, best: Candidate) -> tuple[Candidate, Fit]:
+def followed_to(
+    diagnosis: Diagnosis, best: Candidate, also: Callable[[Fit], Fit] = lambda fit: fit
+) -> tuple[Candidate, Fit]:
     """Return what is added and its end: the best, or if that is a joint which cannot be there, the next.
 
-    Candidates are sketched, and a joint's way on from there may lead to values that cannot be its own. The
-    next is the first that is possible of those that explain as much.
+    Candidates are sketched, and a joint's way on from there may lead to values that cannot be its own, as may
+    what comes in with it, which is `also` done. The next is the first that is possible of those that explain
+    as much.
     """
-    fit, first = diagnosis.fit, converged(best.fit)
+    fit, first = diagnosis.fit, also(converged(best.fit))
     if best.place != "coupling" or not implausible(replace(best, fit=first), fit):
         return best, first
     others = [one for one in diagnosis.candidates if one.could_be and one is not best]
     enough = [one for one in others if one.effect in best.equivalent or _explains(one.rmse, fit)]
-    ends = ((one, converged(one.fit)) for one in enough)
+    ends = ((one, also(converged(one.fit))) for one in enough)
     return next((pair for pair in ends if not implausible(replace(pair[0], fit=pair[1]), fit)), (best, first))
 
 

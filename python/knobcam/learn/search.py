@@ -202,14 +202,16 @@ class _Climb:
             rejoined(self.ladder, self.barred, deadline)
         )
 
+    def _with_detents(self, fit: Fit) -> Fit:
+        """Return a fit with the detents that show in it now, where they come in by themselves."""
+        return with_detents(fit) if self.search.detents and fit.model.period is None else fit
+
     def _add(self, diagnosis: Diagnosis, best: Candidate) -> None:
         """Go a step up, unless what came in before does better without help than with what would come in."""
         detents, tell = self.search.detents, self.search.tell
         tell(said("adding {best}", best=OfEffect(best.effect)))
         fit = self.fit
-        best, richer = followed_to(diagnosis, best)
-        if detents and richer.model.period is None:
-            richer = with_detents(richer)
+        best, richer = followed_to(diagnosis, best, self._with_detents)
         tell("re-testing the effects that came in before")
         came = {*(step.added for step in self.ladder), *self.shown}
         own = (*self.base, best.effect)
