@@ -33,7 +33,7 @@ python_maximum_signature_line_length = 90
 # package's own that nobody makes by hand.
 nitpick_ignore_regex = [
     ("py:.*", r"(os|pathlib|collections|typing|np|numpy|matplotlib)\..*"),
-    ("py:.*", r"(knobcam\.)?(_core|pages)\..*"),
+    ("py:.*", r"(knobcam\.)?(_core|pages|pages_said)\..*"),
     ("py:.*", r"knobcam\.fleet\.limits\.Limits"),  # of a batch, read from a file; `Limits` are those of a rig
     ("py:.*", r"(.*\.)?(FloatArray|IntArray|BoolArray|ArrayLike|NDArray|ColumnMap|Figure|Path|Law)"),
     ("py:.*", r"(.*\.)?(Clears|Left|Form|Kind|Study|Said|Advice|Quantity)"),
