@@ -18,6 +18,7 @@ from knobcam.learn.contenders import BASE
 from knobcam.learn.designing import _Design
 from knobcam.learn.experiment import Change, Expected, Experiment, Sharpened, _percent
 from knobcam.learn.limits import Limits
+from knobcam.learn.ranked import Scored
 from knobcam.learn.telling import TOLD, Rival, Told, apart
 
 LIMITS = Limits(0.2, 6.0, 80.0, -1.0, 3.0, duration_s=8.0, sample_rate_hz=1000.0)
@@ -146,7 +147,7 @@ def test_rivals_are_twins_where_no_first_motion_tells_them_nor_in_far_wider_limi
             wider = self.limits.omega_rad_s > LIMITS.omega_rad_s and self.limits.torque_Nm > LIMITS.torque_Nm
             d = wide if wider else here
             # One pair of three is a pair of twins in any case.
-            scored.append(designing._Scored(d, 0.0, d, pieces))
+            scored.append(Scored(d, 0.0, d, pieces))
 
         monkeypatch.setattr(_Design, "_score", score)
         return one._twins(one._banked(math.inf))

@@ -339,10 +339,13 @@ def test_limits_that_are_too_narrow_are_answered_with_the_one_that_would_do(
         enough = refused.json()["enough"]
         assert enough["limit"] == "torque_Nm" and 2.0 * given < enough["to"] < 0.013
         post(client, "design", effects=named, limits={enough["limit"]: enough["to"]})
-    post(client, "design", effects=RIVALS, limits={"torque_Nm": 0.012})
+    # Over so short a way a larger unbalance is a spring: more torque alone tells nothing.
+    post(client, "design", effects=RIVALS, limits={"torque_Nm": 0.024})
     found = shown(client)["experiment"]
-    assert not found["separable"] and found["change"]["limit"] == "torque_Nm"
-    post(client, "design", effects=RIVALS, limits={"torque_Nm": found["change"]["to"]})
+    assert not found["separable"] and found["change"]["limit"] == "theta_max_rad"
+    end = found["change"]["to"]
+    wider = {"theta_min_rad": reached["theta_min_rad"] + reached["theta_max_rad"] - end, "theta_max_rad": end}
+    post(client, "design", effects=RIVALS, limits={"torque_Nm": 0.024, **wider})
     again = shown(client)["experiment"]
     assert again["separable"] and again["change"] is None
 

@@ -8,7 +8,8 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from itertools import product
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from .contenders import contenders
 from .experiment import Change, Expected, Experiment, NoMotion, Sharpened
 from .limits import Limits
 from .motion_space import Piece, bank, changed, plan, standard
+from .ranked import Rated, Scored, best_of
 from .showing_more import along, longest_s, show_more
 from .telling import ENOUGH, TOLD, Rival, Telling, Told, good, to_sharpen
 
@@ -37,14 +39,14 @@ _TRIES = 500
 """Motions weighed beyond those that a search begins with, the same ones however quick the machine."""
 _CHANGE_S = 3.0  # for all limits that might be wider, together
 _CHANGE_TRIES = 30
-_KEPT, _FINALISTS = 5, 4
+_KEPT = 5
 _SHORTEST = 64  # samples, fewer than which no filter takes
 _NOTHING = 1.0  # variance of the noise: what tells no more of any pair tells nothing
 _EASE, _EASINGS = 0.75, 12
 _FASTER = 2.0, 5.0
 _MORE, _PLENTY = 1.2, 2.0 * ENOUGH
 """A search goes on from enough to so much more than the best standard motion tells, but not beyond this."""
-_REFITS_S = 3.0  # for refits to the last motions and the captures together
+_REFITS_S = 2.0  # for refits to the last motions and the captures together
 _THINNED = 4  # samples of the search; what is said of the motion that is chosen has all of them
 _SLOWEST_HZ = 500.0
 
@@ -116,15 +118,6 @@ def design(
     return replace(designed, took_s=time.monotonic() - begun)
 
 
-class _Scored(NamedTuple):
-    """How good a motion is, the least D of its pairs, the most that any rival leaves, and its pieces."""
-
-    score: float
-    least: float
-    most: float
-    pieces: tuple[Piece, ...]
-
-
 @dataclass(frozen=True, eq=False)
 class _Design:
     """A search for a motion."""
@@ -158,13 +151,13 @@ class _Design:
         if not first:
             raise self.none()
         twins = param is None and self._twins(first)
-        pool = _best(first) if twins else self._searched(first, until, seed, _TRIES, self._plenty)
-        motions = [made for pieces in pool if (made := self._runnable(pieces, draws=True)) is not None]
-        if not motions:
+        over = _after(search_s + _REFITS_S)
+        pool = best_of(first)
+        known = self._rated(pool, over) if twins else self._found(first, until, seed, over)
+        if not known:
             few = "limits, torque_Nm: too little for what the rivals may ask for; give more"
             raise NoMotion(few, self._enough("torque_Nm"))
-        over = _after(_REFITS_S)
-        chosen, track, told = self._chosen(motions, over)
+        _, _, chosen, track, told = max(known, key=lambda one: one.worth)
         omega, alpha = (float(np.max(np.abs(column))) for column in (track.omega, track.alpha))
         peak = (self.telling.peak(track, draws=True), omega, alpha)
         rivals = self.telling.rivals
@@ -185,19 +178,30 @@ class _Design:
             return found
         return replace(found, change=self._change(pool, seed))
 
-    def _chosen(
-        self, motions: Sequence[tuple[MotionPlan, MotionTrack]], over: Callable[[], bool]
-    ) -> tuple[MotionPlan, MotionTrack, Told]:
-        """Return the best of the last motions by refits and what it tells; more than the first if need be."""
-        if self.param is not None:
-            rated = [(*one, *self._told(one[0].track(self._search_hz()))) for one in motions]
-            return max(rated, key=lambda one: one[3])[:3]
-        known: list[tuple[MotionPlan, MotionTrack, Told]] = []
-        for made in motions:
-            if known and (over() or self.telling.least(known[-1][2]) >= ENOUGH):
+    def _found(
+        self, first: Sequence[Scored], until: float, seed: int, over: Callable[[], bool]
+    ) -> list[Rated]:
+        """Return the last motions of a search, and of one that goes on where refits leave too little of D."""
+        known = self._rated(self._searched(first, until, seed, _TRIES, self._plenty), over)
+        if self.param is not None or not known or max(one.least for one in known) >= TOLD:
+            return known
+        return known + self._rated(self._searched(first, until, seed, _TRIES, math.inf), over)
+
+    def _rated(self, pool: Sequence[tuple[Piece, ...]], over: Callable[[], bool]) -> list[Rated]:
+        """Return some motions by refits, no more than the first if that tells enough."""
+        known: list[Rated] = []
+        for pieces in pool:
+            if self.param is None and known and (over() or known[-1].least >= ENOUGH):
                 break
-            known.append((*made, self.telling.refitted(made[1], over)))
-        return max(known, key=lambda one: good(self.telling.pairs(one[2])))
+            if (made := self._runnable(pieces, draws=True)) is None:
+                continue
+            if self.param is not None:
+                told, worth = self._told(made[0].track(self._search_hz()))
+            else:
+                told = self.telling.refitted(made[1], over)
+                worth = good(self.telling.pairs(told))
+            known.append(Rated(worth, self.telling.least(told), *made, told))
+        return known
 
     def _told(self, track: MotionTrack) -> tuple[Told, float]:
         """What a motion that is sampled as in the search tells at the full rate, and how good that is.
@@ -214,16 +218,16 @@ class _Design:
             return nothing, -math.inf
         return told, good(self.telling.pairs(told))
 
-    def _banked(self, until: float) -> list[_Scored]:
+    def _banked(self, until: float) -> list[Scored]:
         """Return the motions that a search begins with; some of them, where the time is over before."""
-        scored: list[_Scored] = []
+        scored: list[Scored] = []
         for pieces in bank():
             if scored and time.monotonic() > until:
                 break
             self._score(pieces, scored)
         return scored
 
-    def _twins(self, first: Sequence[_Scored]) -> bool:
+    def _twins(self, first: Sequence[Scored]) -> bool:
         """Whether rivals are the same on any motion: none of the first tells of a pair what noise would not.
 
         Nor do these in limits that are all far wider: a search would only find the largest of nothing.
@@ -235,7 +239,7 @@ class _Design:
             limits = limits.widened(name, max(_FASTER))
         wider = replace(self, limits=limits)
         for pieces in bank():
-            scored: list[_Scored] = []
+            scored: list[Scored] = []
             wider._score(pieces, scored)
             if any(one.most >= _NOTHING for one in scored):
                 return False
@@ -260,7 +264,7 @@ class _Design:
         return min(max(_MORE * usual, ENOUGH), _PLENTY)
 
     def _searched(
-        self, first: Sequence[_Scored], until: float, seed: int, tries: int, plenty: float
+        self, first: Sequence[Scored], until: float, seed: int, tries: int, plenty: float
     ) -> list[tuple[Piece, ...]]:
         """Return the best of some motions and of what is near the best, weighed until one tells plenty."""
         rng = np.random.default_rng(seed)
@@ -272,15 +276,15 @@ class _Design:
             del scored[_KEPT:]
             parent = scored[int(rng.integers(len(scored)))].pieces
             self._score(changed(parent, rng, float(rng.choice((0.03, 0.1, 0.3)))), scored)
-        return _best([*scored, *first])
+        return best_of([*scored, *first])
 
-    def _score(self, pieces: tuple[Piece, ...], scored: list[_Scored]) -> None:
+    def _score(self, pieces: tuple[Piece, ...], scored: list[Scored]) -> None:
         if self.between is not None:
             self.between()
         if (made := self._runnable(pieces, draws=False)) is not None:
             told, score = self._told(made[1])
             if score > -math.inf:
-                scored.append(_Scored(score, self.telling.least(told), float(told.d.max()), pieces))
+                scored.append(Scored(score, self.telling.least(told), float(told.d.max()), pieces))
 
     def _search_hz(self) -> float:
         rate = self.limits.sample_rate_hz
@@ -367,33 +371,30 @@ class _Design:
         return None
 
     def _change(self, pool: list[tuple[Piece, ...]], seed: int) -> Change | None:
-        """Return the smallest change of one limit with which all rivals are told apart."""
+        """Return the smallest change of one limit with which all rivals are told apart, by refits too."""
         limits = "duration_s", "omega_rad_s", "alpha_rad_s2", "torque_Nm", "theta"
-        each_s = _CHANGE_S / (len(_FASTER) * len(limits))
-        for times in _FASTER:
-            for name in limits:
-                wider = self.limits.widened(name, times)
-                other = replace(self, limits=wider)
-                scored: list[_Scored] = []
-                until = time.monotonic() + each_s
-                wide = other._searched(other._banked(until), until, seed, _CHANGE_TRIES, TOLD)
-                for pieces in (*pool, *wide):
-                    other._score(pieces, scored)
-                d = max((one.least for one in scored), default=0.0)
-                if d >= TOLD:
-                    shown = "theta_max_rad" if name == "theta" else name
-                    return Change(shown, getattr(wider, shown), d)
+        each_s, over = _CHANGE_S / (len(_FASTER) * len(limits)), _after(_CHANGE_S + _REFITS_S)
+        for times, name in product(_FASTER, limits):
+            wider = self.limits.widened(name, times)
+            other = replace(self, limits=wider)
+            scored: list[Scored] = []
+            until = time.monotonic() + each_s
+            wide = other._searched(other._banked(until), until, seed, _CHANGE_TRIES, TOLD)
+            for pieces in (*pool, *wide):
+                other._score(pieces, scored)
+            scored.sort(key=lambda one: -one.least)
+            tells = [one.pieces for one in scored[:1] if one.least >= TOLD]
+            if over() or not any(one.least >= TOLD for one in other._rated(tells, over)):
+                continue
+            # As who takes it at its word will look.
+            until = time.monotonic() + _SEARCH_S
+            d = max((one.least for one in other._found(other._banked(until), until, seed, over)), default=0.0)
+            if d >= TOLD and not over():  # a refit that got no turn has what the line says
+                shown = "theta_max_rad" if name == "theta" else name
+                return Change(shown, getattr(wider, shown), d)
         return None
 
 
 def _after(seconds: float) -> Callable[[], bool]:
     until = time.monotonic() + seconds
     return lambda: time.monotonic() > until
-
-
-def _best(scored: Sequence[_Scored]) -> list[tuple[Piece, ...]]:
-    """Return the best motions of which none is of the same kind as another: what holds of one may of all."""
-    kinds: dict[tuple[str, ...], tuple[Piece, ...]] = {}
-    for one in sorted(scored, key=lambda one: -one.score):
-        kinds.setdefault(tuple(piece.kind for piece in one.pieces), one.pieces)
-    return [*kinds.values()][:_FINALISTS]
