@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from ..errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from .learning import LearningResult
 
@@ -72,3 +72,9 @@ class Deadline:
         """Return how it ended a search."""
         why = "budget" if isinstance(by, OutOfTime) else "interrupt"
         return Cut(why, time.monotonic() - self._start, tuple(self.weighing))
+
+
+def after(seconds: float) -> Callable[[], bool]:
+    """Return what says whether so much time has gone by since now."""
+    until = time.monotonic() + seconds
+    return lambda: time.monotonic() > until

@@ -18,6 +18,7 @@ from ..capture.by_hand import by_hand as steps_by_hand
 from ..capture.by_hand import hand_can, on_beats
 from ..errors import InputError
 from .contenders import contenders
+from .cut import after
 from .experiment import Change, Expected, Experiment, NoMotion, Sharpened
 from .limits import Limits
 from .motion_space import Piece, bank, changed, plan, standard
@@ -151,7 +152,7 @@ class _Design:
         if not first:
             raise self.none()
         twins = param is None and self._twins(first)
-        over = _after(search_s + _REFITS_S)
+        over = after(search_s + _REFITS_S)
         pool = best_of(first)
         known = self._rated(pool, over) if twins else self._found(first, until, seed, over)
         if not known:
@@ -245,9 +246,14 @@ class _Design:
                 return False
         return True
 
+    @cached_property
+    def _usual(self) -> list[tuple[Told, float]]:
+        """What each of the standard motions tells, and how good that is."""
+        return [self._told(one) for one in self._standard(self._search_hz())]
+
     def _best_usual(self, over: Callable[[], bool]) -> Told | None:
         """What the best of the standard motions tells, refitted as to the one chosen if there is time."""
-        rated = [self._told(one) for one in self._standard(self._search_hz())]
+        rated = self._usual
         at = max(range(len(rated)), key=lambda at: rated[at][1], default=-1)
         if at < 0 or rated[at][1] == -math.inf:
             return None
@@ -259,8 +265,7 @@ class _Design:
         """The least D with which a search ends."""
         if self.param is not None:
             return math.inf
-        tracks = self._standard(self._search_hz())
-        usual = max((self.telling.least(self._told(one)[0]) for one in tracks), default=0.0)
+        usual = max((self.telling.least(told) for told, _ in self._usual), default=0.0)
         return min(max(_MORE * usual, ENOUGH), _PLENTY)
 
     def _searched(
@@ -373,7 +378,7 @@ class _Design:
     def _change(self, pool: list[tuple[Piece, ...]], seed: int) -> Change | None:
         """Return the smallest change of one limit with which all rivals are told apart, by refits too."""
         limits = "duration_s", "omega_rad_s", "alpha_rad_s2", "torque_Nm", "theta"
-        each_s, over = _CHANGE_S / (len(_FASTER) * len(limits)), _after(_CHANGE_S + _REFITS_S)
+        each_s, over = _CHANGE_S / (len(_FASTER) * len(limits)), after(_CHANGE_S + _REFITS_S)
         for times, name in product(_FASTER, limits):
             wider = self.limits.widened(name, times)
             other = replace(self, limits=wider)
@@ -393,8 +398,3 @@ class _Design:
                 shown = "theta_max_rad" if name == "theta" else name
                 return Change(shown, getattr(wider, shown), d)
         return None
-
-
-def _after(seconds: float) -> Callable[[], bool]:
-    until = time.monotonic() + seconds
-    return lambda: time.monotonic() > until

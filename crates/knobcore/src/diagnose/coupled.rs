@@ -84,16 +84,15 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool, rival: Opti
     alone(&mut looked);
     let mut seen = watch.each(&looked, |(of, model)| (*of, on(model, |m| glance(&few, m))));
     seen.sort_by_cached_key(cost);
-    // What a rival leaves, and what leaves about as much; a few steps alone lead but a part of the way.
+    let used = |view: &[&Signals]| view.iter().map(|one| one.used() as f64).sum::<f64>();
+    // What a rival leaves, of which an end leaves about as much at most; a few steps lead but a part of the way.
     let beaten = |view: &[&Signals]| rival.map_or(f64::INFINITY, |model| squares(view, model));
-    let close = |view: &[&Signals]| RIVAL * beaten(view);
-    let within =
-        |view: &[&Signals]| (close(view) / view.iter().map(|one| one.used() as f64).sum::<f64>()).sqrt();
     let halfway = rival.map_or(f64::INFINITY, |_| 0.5 * (beaten(&few) + screen.squares));
     let (seen, _) = rivals(halfway, seen);
+    let close = RIVAL * beaten(&coarse);
+    let rmse = (close / used(&coarse)).sqrt();
     let own = |of: usize| seen.iter().filter(move |(own, _)| *own == of).take(FOLLOWED);
     let coarsely = |few: Vec<&(usize, (Model, Found))>| {
-        let rmse = within(&coarse);
         watch.each(&few, |(of, (model, _))| (*of, on(model, |m| sketch_within(&coarse, m, rmse))))
     };
     let mut ends = coarsely((0..ways.len()).filter_map(|of| own(of).next()).collect());
@@ -105,7 +104,7 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool, rival: Opti
     };
     let rest = (0..ways.len()).flat_map(|of| own(of).skip(1)).filter(|one| !found(one)).collect();
     ends.extend(coarsely(rest));
-    let (mut ends, _) = rivals(close(&coarse), ends);
+    let (mut ends, _) = rivals(close, ends);
     ends.sort_by_cached_key(cost);
     others(&mut ends, f64::INFINITY);
     let strode = |(view, without): (&[&Signals], f64), ends: &Ends, floor: f64| {
@@ -115,7 +114,7 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool, rival: Opti
     let worth = if floor.is_nan() { 0.0 } else { rule().worth_coarse * (without - floor) };
     let mut ends = strode((&coarse, without), &ends, floor);
     ends.sort_by_cached_key(cost);
-    let most = least_of(&ends, without, floor).min(without - worth);
+    let most = at_most(&ends, without, floor).min(without - worth);
     let (ends, _) = rivals(most, ends);
     let (mut ends, mut worse) = open(ends);
     others(&mut ends, f64::INFINITY);
@@ -127,12 +126,13 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool, rival: Opti
     };
     detented.extend(softer(&ends, COARSE_HZ, MIDDLE_HZ));
     detented.extend(ends.into_iter().map(|(of, (model, _))| (of, model)));
-    let rmse = within(&middle);
+    let close = RIVAL * beaten(&middle);
+    let rmse = (close / used(&middle)).sqrt();
     let between = watch.each(&detented, |(of, model)| (*of, on(model, |m| sketch_within(&middle, m, rmse))));
-    let (mut between, _) = rivals(close(&middle), between);
+    let (mut between, _) = rivals(close, between);
     between.sort_by_cached_key(cost);
     others(&mut between, RIVAL);
-    let (between, more) = rivals(least_of(&between, view.squares, middle_floor), between);
+    let (between, more) = rivals(at_most(&between, view.squares, middle_floor), between);
     worse.extend(more);
     let (between, shut) = open(between);
     worse.extend(shut);
@@ -143,14 +143,13 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool, rival: Opti
     let mut first: Vec<(usize, Model)> = first.iter().map(|(of, (model, _))| (*of, model.clone())).collect();
     first.extend(softer(&between, MIDDLE_HZ, BEFORE * MIDDLE_HZ));
     let mut fine = watch.each(&first, |(of, model)| (*of, on(model, |m| sketch(data, m))));
-    let used = data.iter().map(|one| one.used() as f64).sum::<f64>();
     let least = |ends: &Ends| ends.iter().map(|(_, (_, found))| found.cost).fold(f64::INFINITY, f64::min);
-    let within = (RIVAL * least(&fine) / used).sqrt();
+    let within = (RIVAL * least(&fine) / used(data)).sqrt();
     fine.extend(watch.each(rest, |(of, (model, _))| (*of, on(model, |m| sketch_within(data, m, within)))));
     // What was followed no further is told by where the best leads it.
     let beaten = |found: Found| Found { cost: f64::INFINITY, ..found };
     fine.extend(worse.into_iter().map(|(of, (model, found))| (of, (model, beaten(found)))));
-    let within = (RIVAL * least(&fine) / used).sqrt();
+    let within = (RIVAL * least(&fine) / used(data)).sqrt();
     let lowest = least(&fine);
     fine.extend(crossed(&fine, watch, |model| sketch_within(data, model, within)));
     if least(&fine) < lowest {
@@ -163,7 +162,7 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool, rival: Opti
 }
 
 /// What an end may leave at most that is a rival of the best of these, where so much is left without a coupling.
-fn least_of(ends: &Ends, squares: f64, floor: f64) -> f64 {
+fn at_most(ends: &Ends, squares: f64, floor: f64) -> f64 {
     let floor = if floor.is_nan() { 0.0 } else { floor };
     let best = ends.iter().map(|(_, (_, found))| found.cost).fold(f64::INFINITY, f64::min);
     floor + rule().rival_coarse * (best - floor).max(0.0) + rule().close_coarse * (squares - floor)
