@@ -17,6 +17,7 @@ from knobcam.learn import designing
 from knobcam.learn import motion_space as space
 from knobcam.learn.limits import Limits
 from knobcam.learn.motion_space import Piece, changed, plan, standard
+from knobcam.learn.ranked import Scored, best_of
 from knobcam.learn.telling import Telling, Told
 
 LIMITS = Limits(0.1, 6.0, 80.0, -1.0, 2.0, duration_s=8.0, sample_rate_hz=1000.0)
@@ -248,9 +249,13 @@ def test_motions_of_a_slide_are_told_in_metres_and_one_move_is_no_plural():
     assert words == "one move at 0.0575 rad/s"
 
 
-def test_the_motion_is_the_one_that_refits_say_most_of_whichever_the_line_had_first() -> None:
-    motions = [plan((Piece(kind, (0.5,) * 5, 1.0),), LIMITS) for kind in ("passes", "loops", "rests")]
+def test_the_motion_is_the_one_that_refits_say_most_of_whichever_the_line_had_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    pool = [(Piece(kind, (0.5,) * 5, 1.0),) for kind in ("passes", "loops", "rests")]
+    motions = [plan(pieces, LIMITS) for pieces in pool]
     pairs = [(one, one.track(1000.0)) for one in motions]
+    monkeypatch.setattr(designing._Design, "_runnable", lambda _, one, *, draws: pairs[pool.index(one)])
     asked: list[int] = []
 
     def chosen(*each: float, over: bool = False) -> int:
@@ -265,9 +270,10 @@ def test_the_motion_is_the_one_that_refits_say_most_of_whichever_the_line_had_fi
         asks: Any = SimpleNamespace(rivals=(0, 1), refitted=refitted)
         asks.pairs = lambda told: [float(told.d[1, 0])]
         asks.least = lambda told: float(told.d[1, 0])
-        best, _, told = designing._Design(asks, LIMITS, None)._chosen(pairs, lambda: over)
-        assert told.d[1, 0] == each[motions.index(best)]
-        return motions.index(best)
+        known = designing._Design(asks, LIMITS, None)._rated(pool, lambda: over)
+        best = max(known, key=lambda one: one.worth)
+        assert best.told.d[1, 0] == best.least == each[motions.index(best.motion)]
+        return motions.index(best.motion)
 
     assert chosen(3.0, 20.0, 12.0) == 1 and len(asked) == 3
     assert chosen(3.0, 20.0, 12.0, over=True) == 0 and len(asked) == 1, "there is no time for others"
@@ -276,7 +282,7 @@ def test_the_motion_is_the_one_that_refits_say_most_of_whichever_the_line_had_fi
 
 def test_of_motions_that_are_looked_at_last_no_two_are_of_one_kind() -> None:
     def scored(score: float, *kinds: str) -> Any:
-        return designing._Scored(score, 0.0, 0.0, tuple(Piece(kind, (score,) * 5, 1.0) for kind in kinds))
+        return Scored(score, 0.0, 0.0, tuple(Piece(kind, (score,) * 5, 1.0) for kind in kinds))
 
     every = [scored(4.0, "waves"), scored(5.0, "loops"), scored(6.0, "loops"), scored(3.0, "loops", "waves")]
-    assert [one[0].numbers[0] for one in designing._best(every)] == [6.0, 4.0, 3.0]
+    assert [one[0].numbers[0] for one in best_of(every)] == [6.0, 4.0, 3.0]
