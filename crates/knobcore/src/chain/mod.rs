@@ -21,7 +21,7 @@ mod along;
 mod pushed;
 
 #[cfg(feature = "std")]
-pub use along::{Block, along, knob, loads, sensors, several};
+pub use along::{Block, along, go_together, knob, loads, sensors, several};
 pub use hidden::{Beside, Hidden, Instant};
 #[cfg(feature = "std")]
 pub use pushed::{Drive, Driven, Hand, Pushed, push, steps};

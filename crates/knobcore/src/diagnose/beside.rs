@@ -1,11 +1,12 @@
 //! What is missing beside a coupling: a descent there takes a hundred times as long as beside a rigid shaft, so that of
 //! all starts of all effects only those are followed that the first step promises most of.
 
-use super::coupled::{Ways, cost, led, on, squares, strode};
+use super::coupled::{Ways, led, squares, strode};
+use super::ends::{Ends, at_most, cost, on, rivals};
 use super::screen::{Screen, Start};
-use super::slower::{COARSE_HZ, MIDDLE_HZ, floor, slowed};
+use super::slower::{COARSE_HZ, MIDDLE_HZ, enough, floor, slowed};
 use crate::effects::Id;
-use crate::fit::{Found, glance, sketch};
+use crate::fit::{glance, sketch};
 use crate::model::Model;
 use crate::order::Ascending;
 use crate::rule::rule;
@@ -46,19 +47,24 @@ pub fn beside(screen: &Screen<'_>, effects: &[Id], left: f64) -> Vec<Ways> {
     // A wave may be too fast for a slower filter.
     let direct = |of: usize| started[of].0.info().scan.is_some() || coarse.len() < data.len();
     let without = squares(&coarse, screen.model);
-    let mut looked: Vec<(usize, (Model, Found))> = watch.each(&first, |(of, start)| {
-        let followed = |model: &Model| on(model, |model| glance(data, model));
-        if direct(*of) {
-            return (*of, followed(&start.model));
-        }
-        let end = on(&start.model, |model| sketch(&coarse, model));
-        let end = strode(&coarse, end, floor, without, watch);
-        let end = followed(&on(&end.0, |model| glance(&middle, model)).0);
+    let (fast, slow): (Vec<usize>, Vec<usize>) = (0..first.len()).partition(|at| direct(first[*at].0));
+    let followed = |model: &Model| on(model, |model| glance(data, model));
+    // What the slow filter shows is seen first: where one leaves much less of it than another, that one is none.
+    let close = |ends: Ends| {
+        let most = at_most(&ends, without, floor).max(enough(&coarse, floor));
+        rivals(most, ends).0
+    };
+    let began = watch.each(&slow, |at| (*at, on(&first[*at].1.model, |model| sketch(&coarse, model))));
+    let strode = |(at, end): &(usize, _)| (*at, strode(&coarse, Clone::clone(end), floor, without, watch));
+    let went = close(watch.each(&close(began), strode));
+    let mut looked: Ends = watch.each(&went, |(at, (model, _))| {
+        let ((of, start), end) = (first[*at], followed(&on(model, |model| glance(&middle, model)).0));
         // The joint is where the finest filter has it: a slower one may lead it away, and no way back.
         let lost = end.1.cost >= screen.squares;
         let again = lost.then(|| followed(&start.model)).filter(|(_, again)| again.cost < end.1.cost);
-        (*of, again.unwrap_or(end))
+        (of, again.unwrap_or(end))
     });
+    looked.extend(watch.each(&fast, |at| (first[*at].0, followed(&first[*at].1.model))));
     looked.sort_by_cached_key(cost);
     looked.truncate(FOLLOWED);
     let left = if left.is_finite() { left } else { 0.0 };

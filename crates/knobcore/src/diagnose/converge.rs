@@ -1,6 +1,7 @@
 //! A model followed to its best from near it, whether its error is smooth or rough.
 
-use super::coupled::{self, on, squares};
+use super::coupled::{self, squares};
+use super::ends::on;
 use super::slower::{self, COARSE_HZ, MIDDLE_HZ, slowed};
 use super::strides::{ROUNDS, strides};
 use super::watch::Watch;

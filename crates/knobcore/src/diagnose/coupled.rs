@@ -3,6 +3,7 @@
 //! The torque of a contact comes in pulses of a few milliseconds: a gap that is a little off moves them, and the
 //! error knows no way back once they no longer overlap. Through a slower filter they are broad and do.
 
+use super::ends::{Ends, SAME, at_most, cost, firsts, least, on, others, rivals};
 use super::screen::{Screen, Start, alone};
 use super::shown::{detents, shown};
 use super::slower::{self, BEFORE, COARSE_HZ, MIDDLE_HZ, beginnings, enough, slowed};
@@ -13,7 +14,7 @@ use super::watch::Watch;
 use crate::effects::{Id, Place};
 use crate::fit::{Found, glance, loads, sketch, sketch_within};
 use crate::model::{Model, Slot};
-use crate::order::{Ascending, descending};
+use crate::order::descending;
 use crate::rule::rule;
 use crate::signals::Signals;
 
@@ -29,11 +30,6 @@ pub(super) const RIVAL: f64 = 1.15;
 const FINE: usize = 2;
 /// Sums of squares of what needs fewer parameters, in times of the other's, that are hardly more.
 const HARDLY: f64 = 1.005;
-/// Ends whose sums of squares differ by less than this share are one.
-const SAME: f64 = 1e-3;
-
-/// Ends of descents, each with the place of its way among the ways.
-type Ends = Vec<(usize, (Model, Found))>;
 
 /// Where the starts of a coupling lead to.
 pub struct Ways {
@@ -118,17 +114,22 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool, rival: Opti
     let (ends, _) = rivals(most, ends);
     let (mut ends, mut worse) = open(ends);
     others(&mut ends, f64::INFINITY);
-    let rate_hz = data.iter().map(|one| one.rate_hz).fold(0.0, f64::max);
-    let softer = |ends: &Ends, edge: f64, next: f64| -> Vec<(usize, Model)> {
-        let each =
-            ends.iter().filter_map(|(of, (model, _))| Some((*of, seen_next(model, edge, next, rate_hz)?)));
-        each.collect()
-    };
-    detented.extend(softer(&ends, COARSE_HZ, MIDDLE_HZ));
+    detented.extend(softer(data, &ends, [COARSE_HZ, MIDDLE_HZ]));
     detented.extend(ends.into_iter().map(|(of, (model, _))| (of, model)));
     let close = RIVAL * beaten(&middle);
     let rmse = (close / used(&middle)).sqrt();
-    let between = watch.each(&detented, |(of, model)| (*of, on(model, |m| sketch_within(&middle, m, rmse))));
+    let mut between = watch.each(&detented, |(of, model)| (*of, on(model, |m| glance(&middle, m))));
+    between.sort_by_cached_key(cost);
+    let (best, more) = firsts(between);
+    let followed = |ends: &Ends| {
+        watch.each(ends, |(of, (model, _))| (*of, on(model, |m| sketch_within(&middle, m, rmse))))
+    };
+    let mut between = followed(&best);
+    // Where noise alone is left no other is needed; where much else is missing a joint's end moves with that, and a few
+    // steps tell what it is worth.
+    let hopeless = |ends: &Ends| least(ends) > rule().hopeless.powi(2) * middle_floor;
+    let told = hopeless(&between) || least(&between) <= slower::enough(&middle, middle_floor);
+    between.extend(if told { more } else { followed(&more) });
     let (mut between, _) = rivals(close, between);
     between.sort_by_cached_key(cost);
     others(&mut between, RIVAL);
@@ -136,41 +137,49 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool, rival: Opti
     worse.extend(more);
     let (between, shut) = open(between);
     worse.extend(shut);
-    let mut between = strode((view.data, view.squares), &between, middle_floor);
+    let roughly = hopeless(&between);
+    let mut between =
+        if roughly { firsts(between).0 } else { strode((view.data, view.squares), &between, middle_floor) };
     between.sort_by_cached_key(cost);
     others(&mut between, RIVAL);
-    let (first, rest) = between.split_at(between.len().min(FINE));
-    let mut first: Vec<(usize, Model)> = first.iter().map(|(of, (model, _))| (*of, model.clone())).collect();
-    first.extend(softer(&between, MIDDLE_HZ, BEFORE * MIDDLE_HZ));
-    let mut fine = watch.each(&first, |(of, model)| (*of, on(model, |m| sketch(data, m))));
-    let least = |ends: &Ends| ends.iter().map(|(_, (_, found))| found.cost).fold(f64::INFINITY, f64::min);
-    let within = (RIVAL * least(&fine) / used(data)).sqrt();
-    fine.extend(watch.each(rest, |(of, (model, _))| (*of, on(model, |m| sketch_within(data, m, within)))));
-    // What was followed no further is told by where the best leads it.
-    let beaten = |found: Found| Found { cost: f64::INFINITY, ..found };
-    fine.extend(worse.into_iter().map(|(of, (model, found))| (of, (model, beaten(found)))));
-    let within = (RIVAL * least(&fine) / used(data)).sqrt();
-    let lowest = least(&fine);
-    fine.extend(crossed(&fine, watch, |model| sketch_within(data, model, within)));
-    if least(&fine) < lowest {
-        // What went on from the best end is better: that one goes on from there.
-        fine.extend(crossed(&fine, watch, |model| sketch_within(data, model, within)));
-    }
-    fine.retain(|(_, (_, found))| found.cost.is_finite());
-    led(&mut ways, fine);
+    led(&mut ways, finely(data, &between, worse, roughly, watch));
     ways
 }
 
-/// What an end may leave at most that is a rival of the best of these, where so much is left without a coupling.
-fn at_most(ends: &Ends, squares: f64, floor: f64) -> f64 {
-    let floor = if floor.is_nan() { 0.0 } else { floor };
-    let best = ends.iter().map(|(_, (_, found))| found.cost).fold(f64::INFINITY, f64::min);
-    floor + rule().rival_coarse * (best - floor).max(0.0) + rule().close_coarse * (squares - floor)
+/// The same ends with a shaft that gives way where a slower filter does not see it and the next does.
+fn softer(data: &[&Signals], ends: &Ends, [edge, next]: [f64; 2]) -> Vec<(usize, Model)> {
+    let rate_hz = data.iter().map(|one| one.rate_hz).fold(0.0, f64::max);
+    let seen =
+        |(of, (model, _)): &(usize, (Model, Found))| Some((*of, seen_next(model, edge, next, rate_hz)?));
+    ends.iter().filter_map(seen).collect()
 }
 
-/// The ends that leave at most so much, and the others.
-fn rivals(most: f64, ends: Ends) -> (Ends, Ends) {
-    ends.into_iter().partition(|(_, (_, found))| found.cost <= most)
+/// Where ends, best first, lead with all that was measured: `roughly` a few steps each. The `worse` ones are told by
+/// where the best leads them.
+fn finely(data: &[&Signals], ends: &Ends, worse: Ends, roughly: bool, watch: &Watch<'_>) -> Ends {
+    let (first, rest) = ends.split_at(ends.len().min(FINE));
+    let mut first: Vec<(usize, Model)> = first.iter().map(|(of, (model, _))| (*of, model.clone())).collect();
+    if !roughly {
+        first.extend(softer(data, ends, [MIDDLE_HZ, BEFORE * MIDDLE_HZ]));
+    }
+    let to = |model: &Model, within: f64| {
+        if roughly { glance(data, model) } else { sketch_within(data, model, within) }
+    };
+    let mut fine = watch.each(&first, |(of, model)| (*of, on(model, |m| to(m, f64::INFINITY))));
+    let used = data.iter().map(|one| one.used() as f64).sum::<f64>();
+    let within = (RIVAL * least(&fine) / used).sqrt();
+    fine.extend(watch.each(rest, |(of, (model, _))| (*of, on(model, |m| to(m, within)))));
+    let beaten = |found: Found| Found { cost: f64::INFINITY, ..found };
+    fine.extend(worse.into_iter().map(|(of, (model, found))| (of, (model, beaten(found)))));
+    let within = (RIVAL * least(&fine) / used).sqrt();
+    let lowest = least(&fine);
+    fine.extend(crossed(&fine, watch, |model| to(model, within)));
+    if least(&fine) < lowest {
+        // What went on from the best end is better: that one goes on from there.
+        fine.extend(crossed(&fine, watch, |model| to(model, within)));
+    }
+    fine.retain(|(_, (_, found))| found.cost.is_finite());
+    fine
 }
 
 /// The ends whose joint is not another's, and those of which another with fewer parameters leaves hardly more: a gap that
@@ -238,28 +247,9 @@ pub(super) fn joined_as(model: &Model, other: &Model) -> Model {
     joined
 }
 
-/// Keeps of each way's ends, best first, those within so many times the best; two starts mostly lead to one end.
-pub(super) fn others(ends: &mut Vec<(usize, (Model, Found))>, within: f64) {
-    let mut kept: Vec<(usize, f64)> = Vec::new();
-    ends.retain(|(of, (_, found))| {
-        let own: Vec<f64> = kept.iter().filter(|(own, _)| own == of).map(|(_, cost)| *cost).collect();
-        let rivals = own.first().is_none_or(|best| found.cost <= within * best);
-        let other = own.last().is_none_or(|last| found.cost > (1.0 + SAME) * last);
-        if rivals && other {
-            kept.push((*of, found.cost));
-        }
-        rivals && other
-    });
-}
-
 /// The sum of squares that a model leaves, (N m)^2.
 pub(super) fn squares(data: &[&Signals], model: &Model) -> f64 {
     Thinned::of(data).columns(data, model, &[]).2
-}
-
-/// What an end is sorted by.
-pub(super) fn cost((_, (_, found)): &(usize, (Model, Found))) -> Ascending {
-    Ascending(found.cost)
 }
 
 /// Gives each of the ways the best of the ends that are its own, by its place among them.
@@ -269,14 +259,6 @@ pub(super) fn led(ways: &mut [Ways], mut ends: Vec<(usize, (Model, Found))>) {
     for (of, end) in ends {
         ways[of].end = Some(end);
     }
-}
-
-/// A model where a descent from it ended.
-pub(super) fn on(model: &Model, to: impl Fn(&Model) -> Found) -> (Model, Found) {
-    let found = to(model);
-    let mut model = model.clone();
-    model.set_values(&found.p);
-    (model, found)
 }
 
 /// Where strides lead to from where a descent ended. Surfaces that meet and part a little earlier or later are dents in
@@ -331,20 +313,6 @@ mod tests {
         let (went, cost) = (model.values(), found.cost);
         let (model, found) = strode(&data, (model, found), floor, f64::INFINITY, &watch);
         assert_eq!((model.values(), found.cost), (went, cost));
-    }
-
-    #[test]
-    fn of_each_coupling_the_ends_that_differ_and_are_nearly_as_good_are_followed() {
-        let model = joined(Id::Compliance, &[]);
-        let end = |(of, cost): (usize, f64)| {
-            let found = glance(&[], &model);
-            (of, (model.clone(), Found { cost, ..found }))
-        };
-        let mut ends: Vec<_> =
-            [(0, 1.0), (0, 1.0001), (1, 1.05), (0, 1.1), (0, 1.2), (1, 1.3)].into_iter().map(end).collect();
-        others(&mut ends, RIVAL);
-        let kept: Vec<(usize, f64)> = ends.iter().map(|(of, (_, found))| (*of, found.cost)).collect();
-        assert_eq!(kept, [(0, 1.0), (1, 1.05), (0, 1.1)]);
     }
 
     #[test]

@@ -1,10 +1,13 @@
 //! One joint in the place of another.
 
-use super::coupled::{RIVAL, cost, joined_as, joined_by, on, others};
+use super::coupled::{RIVAL, joined_as, joined_by};
+use super::ends::{Ends, cost, on, others};
 use super::screen::survey;
+use super::slower::enough;
 use super::watch::{Tell, Watch};
 use crate::effects::Id;
-use crate::fit::{Fit, Found, glance, loads, report, sketch};
+use crate::fit::{Fit, glance, loads, report, sketch};
+use crate::floor::Floor;
 use crate::model::Model;
 use crate::signals::Signals;
 
@@ -32,8 +35,13 @@ pub fn in_place(data: &[&Signals], model: &Model, other: Id, tell: &Tell<'_>) ->
         }
     }
     let watch = Watch::new(tell, starts.len());
-    let looked = watch.each(&starts, |start| on(start, |model| glance(data, model)));
-    let mut looked: Vec<(usize, (Model, Found))> = looked.into_iter().map(|end| (0, end)).collect();
+    let look = |start: &Model| (0, on(start, |model| glance(data, model)));
+    let mut looked: Ends = watch.each(&starts[..1], look);
+    // Where that leads to what noise leaves no other start is needed.
+    let enough = enough(data, Floor::of(data, model).squares);
+    if looked.iter().all(|(_, (_, found))| found.cost > enough) {
+        looked.extend(watch.each(&starts[1..], look));
+    }
     looked.sort_by_cached_key(cost);
     others(&mut looked, RIVAL);
     looked.truncate(PLACED);

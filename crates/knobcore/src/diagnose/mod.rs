@@ -9,6 +9,7 @@ mod chance;
 mod chosen;
 mod converge;
 mod coupled;
+mod ends;
 mod hints;
 mod implausible;
 mod in_place;

@@ -4,7 +4,8 @@
 //! neither is found. So each joint is tried with each of the others, from coarse to fine: the starts of the joint beside
 //! the rigid model that has the other effect, a few steps from the most promising, descents from the best of these.
 
-use super::coupled::{on, squares, strode};
+use super::coupled::{squares, strode};
+use super::ends::on;
 use super::screen::{Screen, Start};
 use super::shown::{may_come, shown, with_joint};
 use super::slower::{self, COARSE_HZ, MIDDLE_HZ, beginnings, slowed};
@@ -120,18 +121,25 @@ pub fn pairs(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_>) 
     // Where the other effect acts the first steps do not tell.
     let elsewhere: Vec<Way> = followed.iter().filter_map(|way| way.elsewhere(&looked)).collect();
     let followed: Vec<Way> = followed.into_iter().chain(elsewhere).collect();
-    let further = |way: &Way, view: &[&Signals], floor: f64, without: f64| {
+    let down = |way: &Way, view: &[&Signals]| on(&way.model, |model| sketch(view, model));
+    let began = watch.each(&followed, |way| {
         watch.step();
-        let end = on(&way.model, |model| sketch(view, model));
-        way.at(strode(view, end, floor, without, &watch))
-    };
-    let followed = watch.each(&followed, |way| further(way, &coarse, floor, rigid.squares));
+        down(way, &coarse)
+    });
+    // Where one leads to what noise leaves no other is led out of its dents.
+    let enough = slower::enough(&coarse, floor);
+    let ended = began.iter().any(|(_, found)| found.cost <= enough);
+    let began: Vec<(Way, (Model, Found))> = followed.into_iter().zip(began).collect();
+    let followed = watch.each(&began, |(way, end)| {
+        way.at(if ended { end.clone() } else { strode(&coarse, end.clone(), floor, rigid.squares, &watch) })
+    });
     let middle = slowed(data, MIDDLE_HZ);
     let middle: Vec<&Signals> = middle.iter().collect();
     let floor = slower::floor(data, MIDDLE_HZ, &middle, model);
     let without = squares(&middle, model);
     let ends = watch.each(&best_of(followed, price, FINE, 1, Way::kind), |way| {
-        let way = further(way, &middle, floor, without);
+        watch.step();
+        let way = way.at(strode(&middle, down(way, &middle), floor, without, &watch));
         let found = sketch(data, &way.model);
         let fit = report(data, &way.model, found).ok()?;
         Some(Pair { coupling: way.coupling, companion: way.companion, fit })

@@ -7,12 +7,13 @@
 //! a law: without them its step goes anywhere. The prediction can be many times what any refit does: where it says that
 //! the parts disagree, the refits are made and looked at.
 
-use super::moments::{Blocks, Moments, evaluate};
+use super::moments::{Blocks, Evaluated, Moments, residuals};
 use super::separable::Layout;
 use super::solve::{Normal, least_squares};
 use crate::model::Model;
-use crate::predict::Seeds;
+use crate::scalar::WIDE;
 use crate::signals::Signals;
+use crate::threads::share;
 
 /// Parts that the blocks are held out in.
 const FOLDS: usize = 10;
@@ -63,44 +64,63 @@ pub fn held_out(
         let (Some(known), Some(there)) = (&known, variances(seen)) else { return linear.clone() };
         (0..kept.len()).filter(|i| TOLD * there[*i] <= known[*i]).map(|i| kept[i]).collect()
     };
-    let refit = |fold: usize| {
-        let seen = seen(fold);
-        let whole = step(&seen, &told(&seen));
-        let parts = TRIED.map(|part| whole.iter().map(|step| part * step).collect());
-        let alone = std::iter::once_with(|| step(&seen, &linear));
-        refitted(data, model, layout, every, &squares, (fold, folds), parts.into_iter().chain(alone))
+    let wholly: Vec<Vec<f64>> = (0..folds).map(seen).map(|seen| step(&seen, &told(&seen))).collect();
+    let refit = |fold: usize, tried: usize| match TRIED.get(tried) {
+        Some(part) => wholly[fold].iter().map(|step| part * step).collect(),
+        None => step(&seen(fold), &linear),
     };
-    ((0..folds).map(refit).sum::<f64>() / rows).sqrt()
+    (refitted(data, model, layout, every, &squares, folds, refit).iter().sum::<f64>() / rows).sqrt()
 }
 
-/// The sum of squares on one part of the blocks, of which there are so many parts, after the first of these steps, made
-/// for the others, that is worth it to them.
+/// The sum of squares on each of so many parts of the blocks after the first of the steps, made for the others, that is
+/// worth it to them: the `step` of a part that is tried so many times after others.
 fn refitted(
     data: &[&Signals],
     model: &Model,
     layout: &Layout,
     every: f64,
     before: &[f64],
-    (fold, folds): (usize, usize),
-    steps: impl Iterator<Item = Vec<f64>>,
-) -> f64 {
+    folds: usize,
+    step: impl Fn(usize, usize) -> Vec<f64>,
+) -> Vec<f64> {
     let p = model.values();
-    let own = |squares: &[f64]| squares.iter().skip(fold).step_by(folds).sum::<f64>();
-    let others = |squares: &[f64]| squares.iter().sum::<f64>() - own(squares);
-    for step in steps {
-        let mut blocks = Blocks::of(every);
-        let moved = layout.moved(model, &p, &step);
-        evaluate(data, model, &moved, &Seeds::none(model), |evaluated| blocks.add(evaluated));
-        let after: Vec<f64> = blocks.done().iter().map(Moments::squares).collect();
-        if after.len() == before.len() && others(&after) <= others(before) {
-            return own(&after);
-        }
+    let own = |squares: &[f64], fold: usize| squares.iter().skip(fold).step_by(folds).sum::<f64>();
+    let others = |squares: &[f64], fold: usize| squares.iter().sum::<f64>() - own(squares, fold);
+    let mut left: Vec<f64> = (0..folds).map(|fold| own(before, fold)).collect();
+    let mut open: Vec<usize> = (0..folds).collect();
+    for tried in 0..=TRIED.len() {
+        let sets = open.iter().map(|fold| layout.moved(model, &p, &step(*fold, tried))).collect();
+        let ends = open.iter().copied().zip(blocks_after(data, model, every, sets));
+        let worth = |(fold, after): &(usize, Vec<f64>)| {
+            after.len() == before.len() && others(after, *fold) <= others(before, *fold)
+        };
+        let (moved, still): (Vec<_>, Vec<_>) = ends.partition(worth);
+        moved.iter().for_each(|(fold, after)| left[*fold] = own(after, *fold));
+        open = still.into_iter().map(|(fold, _)| fold).collect();
     }
-    own(before)
+    left
+}
+
+/// The sum of squares of each block with each of these sets of parameters, which are evaluated side by side.
+fn blocks_after(data: &[&Signals], model: &Model, every: f64, sets: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    let mut blocks: Vec<Blocks> = sets.iter().map(|_| Blocks::of(every)).collect();
+    let most = sets.len().div_ceil(sets.len().div_ceil(WIDE).max(1)).max(1);
+    let together = sets.chunks(most).zip(blocks.chunks_mut(most)).collect();
+    share(together, |(sets, blocks): (&[Vec<f64>], &mut [Blocks])| {
+        residuals(data, model, sets, |evaluated| {
+            for (blocks, column) in blocks.iter_mut().zip(evaluated.columns) {
+                let Evaluated { capture, signals, .. } = *evaluated;
+                let rows = evaluated.rows.clone();
+                blocks.add(&Evaluated { capture, signals, rows, columns: &[column] });
+            }
+        });
+    });
+    blocks.into_iter().map(|blocks| blocks.done().iter().map(Moments::squares).collect()).collect()
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::moments::evaluate;
     use super::super::tests::turned;
     use super::*;
     use crate::effects::Id;
@@ -125,8 +145,11 @@ mod tests {
         let gap = model.index("backlash.gap").unwrap();
         let after = |by: f64| {
             let step: Vec<f64> = layout.free.iter().map(|at| if *at == gap { by } else { 0.0 }).collect();
-            let steps = TRIED.iter().map(|part| step.iter().map(|step| part * step).collect());
-            refitted(&[&data], &model, &layout, 20.0, &before, (3, 10), steps)
+            let part = |_, tried: usize| {
+                let part = TRIED.get(tried).copied().unwrap_or(0.0);
+                step.iter().map(|step| part * step).collect()
+            };
+            refitted(&[&data], &model, &layout, 20.0, &before, 10, part)[3]
         };
         let still: f64 = before.iter().skip(3).step_by(10).sum();
         assert!(still > 0.0 && after(-0.0007) < 1e-12 * still);

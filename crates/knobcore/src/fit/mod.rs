@@ -16,6 +16,7 @@ mod serial;
 mod solve;
 mod status;
 mod through;
+mod trial;
 mod undetermined;
 mod uneven;
 mod worth;

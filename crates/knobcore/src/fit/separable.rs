@@ -4,11 +4,15 @@
 //! One pass per trial gives everything: with the products of all derivative columns and the residual, the
 //! linear parameters are solved exactly, the cost is that of the solved problem, and the hard columns are
 //! projected off the linear ones. An amplitude and its phase count as linear, in polar form.
+//!
+//! Behind a joint the error is rough, and nearly every second step fails. There a pass without derivatives over several
+//! sets of parameters takes a quarter of one with: after a step that failed those to try next are tried at once.
 
-use super::moments::{Moments, measured_squares};
+use super::moments::measured_squares;
 use super::passes::Passes;
-use super::solve::{Normal, independent};
 use super::status::Status;
+use super::trial::{Held, Point, Problem};
+use crate::chain;
 use crate::model::{Model, Role};
 use crate::param::Kind;
 use crate::predict::Seeds;
@@ -41,9 +45,9 @@ impl Effort {
         if self == Self::Full { 0.0 } else { 2e-4 }
     }
 
-    /// Whether steps from a sum of squares, of which the next promises so much less, lead to what is too much.
-    fn in_vain(self, cost: f64, promised: f64) -> bool {
-        matches!(self, Self::Within(most) if cost - FAR * promised > most)
+    /// What a step from a sum of squares has to promise, or those after it lead to what is too much.
+    fn in_vain_below(self, cost: f64) -> f64 {
+        if let Self::Within(most) = self { (cost - most) / FAR } else { 0.0 }
     }
 }
 
@@ -64,8 +68,8 @@ const STEP: f64 = 1e-12;
 const CLOSE: f64 = 1.5;
 /// A sum of squares below this share of the measured one is rounding: eleven digits of the torque agree.
 const EXACT: f64 = 1e-22;
-/// A sum of squares above this many times the measured one has no digit left for the measured torque.
-const LOST: f64 = 1e12;
+/// Steps that are damped more than this go nowhere.
+const FIXED: f64 = 1e12;
 /// Most that a positive parameter moves in one step, as a power of e.
 const LONGEST: f64 = 1.0;
 
@@ -74,8 +78,9 @@ const LONGEST: f64 = 1.0;
 pub struct Layout {
     /// The free parameters, as indices into the slots of the model; columns are in this order.
     pub free: Vec<usize>,
-    linear: Vec<usize>,
-    hard: Vec<usize>,
+    /// Columns that are solved for in every step, and the others.
+    pub(super) linear: Vec<usize>,
+    pub(super) hard: Vec<usize>,
     /// Columns of amplitude and phase.
     polar: Vec<(usize, usize)>,
 }
@@ -157,7 +162,7 @@ impl Layout {
     }
 
     /// Amplitudes that are zero show no phase: give them the scale `unit`.
-    fn awake(&self, p: &mut [f64], unit: f64) {
+    pub(super) fn awake(&self, p: &mut [f64], unit: f64) {
         for &(amplitude, _) in &self.polar {
             let a = self.free[amplitude];
             if p[a] == 0.0 {
@@ -182,17 +187,6 @@ fn keep_ties(model: &Model, p: &mut [f64]) {
     }
 }
 
-/// A trial: the pass at `p`, and its linear problem solved.
-struct Point {
-    p: Vec<f64>,
-    moments: Moments,
-    /// Step in the linear columns to their optimum at these hard parameters.
-    linear_step: Vec<f64>,
-    kept: Vec<usize>,
-    normal: Option<Normal>,
-    cost: f64,
-}
-
 /// What the search for the best parameters ended with.
 #[derive(Debug, Clone)]
 pub struct Found {
@@ -208,89 +202,13 @@ pub struct Found {
     pub status: Status,
 }
 
-struct Problem<'a> {
-    passes: Passes<'a>,
-    model: &'a Model,
-    layout: &'a Layout,
-    /// Sum of squares of the measured torque.
-    total: f64,
-    unit: f64,
-    evaluations: usize,
-}
-
-impl Problem<'_> {
-    fn point(&mut self, mut p: Vec<f64>) -> Point {
-        self.layout.awake(&mut p, self.unit);
-        self.evaluations += 1;
-        let moments = self.passes.moments(&p);
-        let gram = |i: usize, j: usize| moments.gram(i, j);
-        let kept = independent(gram, &self.layout.linear);
-        let normal = Normal::of(gram, &kept);
-        let mut linear_step = vec![0.0; moments.k];
-        if let Some(normal) = &normal {
-            for (&column, value) in kept.iter().zip(normal.solve(|i| moments.slope(kept[i]))) {
-                linear_step[column] = value;
-            }
-        }
-        let cost = moments.squares_after(&linear_step);
-        // A hidden motion may run away: as bad as can be, and so no step to take.
-        let told = cost.is_finite() && moments.squares() <= LOST * self.total;
-        let cost = if told { cost.max(0.0) } else { f64::INFINITY };
-        Point { p, moments, linear_step, kept, normal, cost }
-    }
-
-    fn solved(&self, point: &Point) -> Vec<f64> {
-        self.layout.moved(self.model, &point.p, &point.linear_step)
-    }
-
-    /// The damped step from `point` in all columns, and the fall of the cost that it promises.
-    fn step(&self, point: &Point, damping: f64) -> Option<(Vec<f64>, f64)> {
-        let m = &point.moments;
-        let normal = point.normal.as_ref()?;
-        let slots = self.model.slots();
-        let hard: Vec<usize> = {
-            let order: Vec<usize> = point.kept.iter().chain(&self.layout.hard).copied().collect();
-            independent(|i, j| m.gram(i, j), &order).split_off(point.kept.len())
-        };
-        // Each hard column written as its part along the linear ones and the rest.
-        let along: Vec<Vec<f64>> = hard.iter().map(|&h| normal.solve(|i| m.gram(point.kept[i], h))).collect();
-        let project = |column: &dyn Fn(usize) -> f64, h: usize| -> f64 {
-            point.kept.iter().zip(&along[h]).map(|(&i, x)| x * column(i)).sum()
-        };
-        let slope: Vec<f64> =
-            (0..hard.len()).map(|h| m.slope(hard[h]) - project(&|i| m.slope(i), h)).collect();
-        let inside = |h: usize| {
-            let i = self.layout.free[hard[h]];
-            let (low, high) = (slots[i].param.lower, slots[i].param.upper);
-            !(point.p[i] <= low && slope[h] < 0.0 || point.p[i] >= high && slope[h] > 0.0)
-        };
-        let active: Vec<usize> = (0..hard.len()).filter(|&h| inside(h)).collect();
-        let curvature = |a: usize, b: usize| {
-            let (a, b) = (active[a], active[b]);
-            let own = m.gram(hard[a], hard[b]) - project(&|i| m.gram(i, hard[b]), a);
-            if a == b { own * (1.0 + damping) } else { own }
-        };
-        let all: Vec<usize> = (0..active.len()).collect();
-        let hard_step = Normal::of(curvature, &all)?.solve(|a| slope[active[a]]);
-        let mut step = point.linear_step.clone();
-        for (a, value) in active.iter().zip(&hard_step) {
-            step[hard[*a]] = *value;
-            for (&column, x) in point.kept.iter().zip(&along[*a]) {
-                step[column] -= x * value;
-            }
-        }
-        let predicted = point.cost - m.squares_after(&step);
-        Some((step, predicted))
-    }
-}
-
 /// The best parameters that a descent from `start` reaches.
 pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64], effort: Effort) -> Found {
     let total = measured_squares(data);
     let rows: f64 = data.iter().map(|s| s.used() as f64).sum();
     let unit = (total / rows.max(1.0)).sqrt().max(f64::MIN_POSITIVE);
     let passes = Passes::of(data, model, &layout.free, !layout.hard.is_empty());
-    let mut problem = Problem { passes, model, layout, total, unit, evaluations: 0 };
+    let mut problem = Problem { data, passes, model, layout, total, unit, evaluations: 0 };
     let mut start = start.to_vec();
     keep_ties(model, &mut start);
     let mut here = problem.point(start);
@@ -316,25 +234,30 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64],
     if here.moments.squares() > CLOSE * here.cost {
         here = problem.point(problem.solved(&here));
     }
-    let (mut damping, mut growth) = (0.0_f64, 2.0);
+    let (mut held, mut fanned) = (Held::default(), false);
     let least_gain = effort.least_gain().max(if model.is_coupled() { ROUGH / rows } else { 0.0 });
     loop {
         if here.cost <= EXACT * total {
             return ended(&problem, &here, iterations, Status::Exact);
         }
+        if held.damping > FIXED {
+            return ended(&problem, &here, iterations, Status::Stalled);
+        }
         if problem.evaluations >= effort.evaluations() {
             return ended(&problem, &here, iterations, Status::Limit);
         }
-        let Some((step, predicted)) = problem.step(&here, damping) else {
+        let Some((step, predicted)) = problem.step(&here, held.damping) else {
             return ended(&problem, &here, iterations, Status::Converged);
         };
-        if iterations >= BELIEVED && effort.in_vain(here.cost, predicted) {
+        let vain = if iterations >= BELIEVED { effort.in_vain_below(here.cost) } else { 0.0 };
+        if predicted < vain {
             return ended(&problem, &here, iterations, Status::Limit);
         }
         let small =
             layout.hard.iter().all(|&h| step[h].abs() <= STEP * here.p[layout.free[h]].abs().max(STEP));
-        if predicted <= (PREDICTED / rows).max(least_gain) * here.cost || small {
-            if damping > 1e8 {
+        let least = (PREDICTED / rows).max(least_gain) * here.cost;
+        if predicted <= least || small {
+            if held.damping > 1e8 {
                 return ended(&problem, &here, iterations, Status::Stalled);
             }
             // A parameter that hardly matters may take a long step for a small predicted gain: not unseen.
@@ -343,7 +266,15 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64],
             let p = layout.moved(model, &here.p, &step);
             return if short { Found { p, iterations: iterations + 1, ..found } } else { found };
         }
-        let there = problem.point(layout.moved(model, &here.p, &step));
+        let (there, predicted) = if fanned {
+            let most = effort.evaluations() - problem.evaluations;
+            match problem.fan(&here, &mut held, most, least.max(vain)) {
+                Some(best) => best,
+                None => continue,
+            }
+        } else {
+            (problem.point(layout.moved(model, &here.p, &step)), predicted)
+        };
         let gain = (here.cost - there.cost) / predicted;
         if there.cost < here.cost {
             let fell = 1.0 - there.cost / here.cost;
@@ -352,17 +283,12 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64],
             if fell < least_gain {
                 return ended(&problem, &here, iterations, Status::Converged);
             }
-            damping *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0);
-            if damping < 1e-9 {
-                damping = 0.0;
-            }
-            growth = 2.0;
+            // Where a step needed damping the next one may.
+            fanned = fanned && held.growth > Held::GROWTH;
+            held.let_go((1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0));
         } else {
-            damping = damping.max(1e-3) * growth;
-            growth *= 2.0;
-            if damping > 1e12 {
-                return ended(&problem, &here, iterations, Status::Stalled);
-            }
+            held.back();
+            fanned = chain::go_together(model);
         }
     }
 }

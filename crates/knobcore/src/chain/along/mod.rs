@@ -29,6 +29,11 @@ pub fn sensors(model: &Model, p: &[f64], columns: &[Option<usize>], over: &mut R
     }
 }
 
+/// Whether several sets of parameters of a model are followed side by side.
+pub fn go_together(model: &Model) -> bool {
+    model.is_coupled() && !model.effects().any(|id| matches!(id, Id::User(_)))
+}
+
 /// The recorded torque along one motion of a model with several sets of parameters: behind a joint as many knobs are
 /// followed side by side as a register has lanes. Those with laws of a user's own go one by one.
 pub fn several(
@@ -40,9 +45,8 @@ pub fn several(
     torques: &mut [Vec<f64>],
 ) {
     let columns = vec![None; model.slots().len()];
-    let together = model.is_coupled() && !model.effects().any(|id| matches!(id, Id::User(_)));
     for (sets, torques) in sets.chunks(WIDE).zip(torques.chunks_mut(WIDE)) {
-        let wide = together && sets.len() > 1;
+        let wide = go_together(model) && sets.len() > 1;
         if wide {
             behind::side_by_side(model, sets, substeps, motion, dt, torques);
         }
