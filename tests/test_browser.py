@@ -162,7 +162,7 @@ def test_a_brush_in_a_notebook_is_heard_in_python_and_nothing_stays_behind(
 
 
 def test_of_many_samples_all_are_drawn_as_soon_as_nothing_moves(tmp_path: Path) -> None:
-    with workbench(capture_with_stribeck(tmp_path, 200_000)) as address:
+    with workbench(capture_with_stribeck(tmp_path, 100_000)) as address:
         seen = script("resting.js", address)
     assert len(seen["first"]) == 6
     assert all(some < every for some, every in zip(seen["first"], seen["rested"], strict=True))
