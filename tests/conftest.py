@@ -24,7 +24,7 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 # What these are about takes the time that it takes only where nothing else runs. Who merely starts processes
-# or servers is not among them. Of the browser's tests those are that say so.
+# or servers is not among them. Of the browser's those are that say so.
 ALONE = ("faults", "loop", "rig_capture", "rig_emulator", "rig_faults", "rig_safety", "rig_trust")
 ALONE += ("workbench_patience", "workbench_sources")
 

@@ -179,6 +179,7 @@ def test_the_whole_loop_goes_by_keys_alone_and_escape_closes_whatever_opens() ->
     assert after < before
 
 
+@pytest.mark.alone
 def test_everything_is_found_at_once_given_up_and_gone_back_from_and_no_challenge_is_told_so(
     tmp_path: Path, pictures: Path
 ) -> None:
