@@ -38,12 +38,13 @@ PAGE = ROOT / "python" / "knobcam" / "workbench" / "page"
 LIBRARY = ROOT / "python" / "knobcam" / "render" / "lib"
 SHARED = ("libknobstep.so", "libknobstep.dylib", "knobstep.dll")
 STATIC = ("libknobstep.a", "knobstep.lib")
+DEVELOP = ("--profile", "develop", "--locked")
 BARE = ("--package", "knobstep", "--no-default-features", "--features", "bare", "--profile", "bare")
 VENV = ROOT / ".venv"
 BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
 PYTHON = BIN / ("python.exe" if os.name == "nt" else "python")
-LOCKER = "uv==0.13.8"  # remakes the lock files; nothing else uses it
 LOCKS = {  # what each lock file pins, of pyproject.toml
+    "uv": ("--group", "uv"),
     "dev": ("pyproject.toml", "--extra", "dev"),
     "demo": ("pyproject.toml", "--extra", "build"),  # no more than a first look needs
     "bench": ("pyproject.toml", "--extra", "bench"),
@@ -100,8 +101,13 @@ def install(lock: str) -> None:
     if not PYTHON.is_file() or changed("python", sys.version):
         run(sys.executable, "-m", "venv", "--clear", VENV)
         done("python", sys.version)
-    # Python compiles what is imported when it is: of all that lies there a small part.
-    run(PYTHON, "-m", "pip", "install", "--no-compile", "--require-hashes", "-r", lock)
+    words: tuple[str | Path, ...] = (BIN / "uv", "pip", "install", "--quiet")
+    if lock in ("requirements-uv.lock", "requirements-demo.lock"):  # little, and pip is there
+        # Python compiles what is imported when it is: of all that lies there a small part.
+        words = (PYTHON, "-m", "pip", "install", "--no-compile")
+    else:
+        install("requirements-uv.lock")  # which takes a tenth of pip's time
+    run(*words, "--require-hashes", "-r", lock)
     done(lock, now)
 
 
@@ -182,7 +188,7 @@ def demo(options: list[str]) -> None:
 def test(options: list[str]) -> None:
     """Rust first: it is the foundation. Its tests run without the bindings, which need a Python to link."""
     setup()
-    run("cargo", "test", "--profile", "develop", "--locked", "--workspace", "--exclude", "knobpy")
+    run("cargo", "test", *DEVELOP, "--workspace", "--exclude", "knobpy")
     if options:
         run(PYTHON, "-m", "pytest", *options)
         return
@@ -196,8 +202,7 @@ def test(options: list[str]) -> None:
 def orders(_: list[str]) -> None:
     """The recorder's desk with locks that try every order."""
     needs_cargo()
-    words = ("cargo", "test", "--profile", "develop", "--locked", "--package", "knobrig")
-    run(*words, "--features", "orders", "--test", "loom")
+    run("cargo", "test", *DEVELOP, "--package", "knobrig", "--features", "orders", "--test", "loom")
 
 
 def lint(_: list[str]) -> None:
@@ -212,7 +217,7 @@ def lint(_: list[str]) -> None:
         "2024",
         *sorted((ROOT / "crates/knobcore/src/effects").glob("*.rs")),
     )
-    run("cargo", "clippy", "--locked", "--workspace", "--all-targets", "--", "--deny", "warnings")
+    run("cargo", "clippy", *DEVELOP, "--workspace", "--all-targets", "--", "--deny", "warnings")
     run("cargo", "clippy", *BARE, "--locked", "--lib", "--", "--deny", "warnings")
     run(BIN / "ruff", "check")
     run(BIN / "ruff", "format", "--check")
@@ -358,16 +363,14 @@ def browser(_: list[str]) -> None:
 
 def lock(options: list[str]) -> None:
     """Pin every dependency with its hash, for all platforms; what is pinned stays while it fits."""
-    if not PYTHON.is_file():
-        run(sys.executable, "-m", "venv", VENV)
-    run(PYTHON, "-m", "pip", "install", LOCKER)
+    install("requirements-uv.lock")
     kept = {path: path.read_bytes() for path in sorted(ROOT.glob("requirements-*.lock"))}
     common = ["--universal", "--generate-hashes", "--quiet"]
     common += ["--custom-compile-command", "python3 dev.py lock"]
     common += ["--upgrade"] if "--upgrade" in options else []
     for name, what in LOCKS.items():
         # One .venv serves them all.
-        pins = [] if name == "dev" else ["--constraints", "requirements-dev.lock"]
+        pins = [] if name in ("dev", "uv") else ["--constraints", "requirements-dev.lock"]
         run(BIN / "uv", "pip", "compile", *what, *pins, *common, "-o", f"requirements-{name}.lock")
     if "--check" in options:
         other = [path for path, text in kept.items() if path.read_bytes() != text]

@@ -1,8 +1,14 @@
 """What several files of tests start from."""
 
+import gc
+import os
 import signal
 from collections.abc import Iterator
 from pathlib import Path
+
+# Before NumPy is there: threads of its linear algebra wait for one another and keep their processors busy,
+# which takes thirty times as long where another test needs these. So do the processes that tests start.
+os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import httpx
 import pytest
@@ -18,8 +24,8 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 # What these are about takes the time that it takes only where nothing else runs. Who merely starts processes
-# or servers is not among them.
-ALONE = ("browser", "faults", "loop", "rig_capture", "rig_emulator", "rig_faults", "rig_safety", "rig_trust")
+# or servers is not among them. Of the browser's those are that say so.
+ALONE = ("faults", "loop", "rig_capture", "rig_emulator", "rig_faults", "rig_safety", "rig_trust")
 ALONE += ("workbench_patience", "workbench_sources")
 
 # Of the captures that many tests share: they show the same as at 5 kHz, and a search costs a fraction.
@@ -31,6 +37,11 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if item.path.stem.removeprefix("test_") in ALONE:
             item.add_marker(pytest.mark.alone)
+
+
+def pytest_collection_finish() -> None:
+    """What is loaded by now stays; who collects garbage, as statsmodels does at each call, leaves it out."""
+    gc.freeze()
 
 
 @pytest.fixture(scope="session")

@@ -143,6 +143,7 @@ def test_files_are_handed_over_in_the_browser_and_their_names_never_become_marku
     as_kept(pictures, "8-welcome", "9-mapped")
 
 
+@pytest.mark.alone
 def test_a_brush_in_a_notebook_is_heard_in_python_and_nothing_stays_behind(
     tmp_path: Path, pictures: Path
 ) -> None:
@@ -161,13 +162,15 @@ def test_a_brush_in_a_notebook_is_heard_in_python_and_nothing_stays_behind(
     assert seen["saved"] > 0
 
 
+@pytest.mark.alone
 def test_of_many_samples_all_are_drawn_as_soon_as_nothing_moves(tmp_path: Path) -> None:
-    with workbench(capture_with_stribeck(tmp_path, 200_000)) as address:
+    with workbench(capture_with_stribeck(tmp_path, 100_000)) as address:
         seen = script("resting.js", address)
     assert len(seen["first"]) == 6
     assert all(some < every for some, every in zip(seen["first"], seen["rested"], strict=True))
 
 
+@pytest.mark.alone
 def test_the_whole_loop_goes_by_keys_alone_and_escape_closes_whatever_opens() -> None:
     with process(surprise="stribeck") as (address, _):
         seen = script("keyboard.js", address)
@@ -176,6 +179,7 @@ def test_the_whole_loop_goes_by_keys_alone_and_escape_closes_whatever_opens() ->
     assert after < before
 
 
+@pytest.mark.alone
 def test_everything_is_found_at_once_given_up_and_gone_back_from_and_no_challenge_is_told_so(
     tmp_path: Path, pictures: Path
 ) -> None:
@@ -187,6 +191,7 @@ def test_everything_is_found_at_once_given_up_and_gone_back_from_and_no_challeng
     assert seen["sealed"]
 
 
+@pytest.mark.alone
 def test_what_is_no_file_is_refused_at_once_two_pages_agree_and_a_killed_server_is_told(
     tmp_path: Path, pictures: Path
 ) -> None:
@@ -202,6 +207,7 @@ def test_what_is_no_file_is_refused_at_once_two_pages_agree_and_a_killed_server_
     assert seen["rmse"][1] > seen["rmse"][0]
 
 
+@pytest.mark.alone
 def test_a_session_that_was_left_goes_on_in_the_page_as_it_looked(tmp_path: Path, pictures: Path) -> None:
     with workbench(capture_with_stribeck(tmp_path, 10_000)) as address:
         before = script("going.js", address, pictures, "leave")
@@ -211,6 +217,7 @@ def test_a_session_that_was_left_goes_on_in_the_page_as_it_looked(tmp_path: Path
     assert after == before
 
 
+@pytest.mark.alone
 def test_a_capture_is_made_in_the_page_and_grows_before_the_eyes(tmp_path: Path, pictures: Path) -> None:
     logs = tmp_path / "logs"
     logs.mkdir()
@@ -241,6 +248,7 @@ def test_a_law_is_looked_for_and_taken_in_the_browser(tmp_path: Path, pictures: 
     as_kept(pictures, "31-law")
 
 
+@pytest.mark.alone
 def test_what_cannot_be_told_is_designed_recorded_and_told_in_the_browser(
     tmp_path: Path, pictures: Path
 ) -> None:

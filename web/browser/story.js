@@ -125,7 +125,8 @@ await page.locator("h1").hover();
 figures.look = await done(page, "look", () => candidates.first().hover());
 await picture("3-looked-at");
 await page.emulateMedia({ colorScheme: "dark" });
-await page.waitForTimeout(200); // the plots take the new colours with the next frame
+// The plots take the new colours with the next frame.
+await page.evaluate(() => new Promise((seen) => requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(seen)))));
 await picture("3-dark");
 await page.emulateMedia({ colorScheme: "light" });
 await candidates.first().focus();

@@ -50,7 +50,7 @@ def _negative(one: Prepared, shift: int) -> bool:
     place: FloatArray = np.maximum(0.0, 1.0 - np.abs(at[:, None] - np.arange(_PLACES + 1)))
     columns = np.column_stack([alpha, np.sign(omega), omega, place])
     columns /= np.sqrt(np.mean(columns**2, axis=0)) + np.finfo(float).tiny
-    inverse = np.linalg.pinv(columns.T @ columns, rcond=1e-10)
+    inverse = np.linalg.pinv(columns.T @ columns, rcond=1e-10, hermitian=True)
     factors = inverse @ (columns.T @ tau)
     rest = tau - columns @ factors
     left = float(rest @ rest)
