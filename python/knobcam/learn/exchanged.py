@@ -92,8 +92,8 @@ def anew(
 def at_own_values(ladder: Sequence[LearningStep], progress: Callable[[float], object]) -> Fit | None:
     """Return the last fit with an effect at values that can be its own, where it ended at others.
 
-    What repeats over position has a period, and of periods the error has many minima: one beside others that
-    bent it led to another than its own. Where it explains as much by values that are its own, these are right.
+    What repeats over position has a period, and of periods the error has many minima: what else was missing
+    led to one that is not its own. Where it explains as much by values that are its own, these are right.
     None where none does; what `progress` raises ends the work.
     """
     first, last = ladder[0].fit, ladder[-1].fit

@@ -31,10 +31,10 @@ def in_doubt(
 ) -> tuple[tuple[str, ...], Unexplained] | None:
     """Return why effects that leave chance alone between them are no explanation, and which of them are none.
 
-    None where they may be causes. What came in with one, and may have gone again, may bend it until its values
-    are not its own any more: what there is to explain is then what there was `before`. And what a law of
-    mechanics still takes off what several leave, more than chance does and more than their own laws may be off
-    by, shows that they only come near. Beside a joint what is left is of its knocks, and follows much.
+    None where they may be causes. What came in with one, and may have gone again, may bend it until its
+    values are not its own any more: what there is to explain is then what there was `before`. And what a law
+    of mechanics still takes off what several leave, more than chance does and more than their own laws may be
+    off by, shows that they only come near. Beside a joint what is left is of its knocks, and follows much.
     """
     names = joined(" and ", map(OfEffect, found))
     bent = {one: whys[0] for one in found if (whys := stands_in(one, fit))}
