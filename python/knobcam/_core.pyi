@@ -309,6 +309,12 @@ def in_place(
     other: str,
     progress: Callable[[float], object] | None = None,
 ) -> Fit | None: ...
+def elsewhere(
+    data: Sequence[Signals],
+    fit: Fit,
+    effect: str,
+    progress: Callable[[float], object] | None = None,
+) -> Fit | None: ...
 
 _Law = tuple[str, list[tuple[str, float]], list[str], float, bool, int, int, int]
 

@@ -1,5 +1,6 @@
 //! Bindings: convert, delegate, convert. Nothing is computed here.
 mod convert;
+mod elsewhere;
 mod emulate;
 mod filter;
 mod fit;
@@ -82,6 +83,7 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(fit::judge, m)?)?;
     m.add_function(wrap_pyfunction!(fit::diagnose, m)?)?;
     m.add_function(wrap_pyfunction!(fit::in_place, m)?)?;
+    m.add_function(wrap_pyfunction!(elsewhere::elsewhere, m)?)?;
     m.add_function(wrap_pyfunction!(hints::hints, m)?)?;
     m.add_function(wrap_pyfunction!(fit::pairs, m)?)?;
     m.add_function(wrap_pyfunction!(propose::propose, m)?)?;

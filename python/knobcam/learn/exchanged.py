@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from .. import _core
 from ..errors import InputError
 from ..fit.doubts import at_floor
-from ..fit.plausible import implausible
+from ..fit.plausible import implausible, stands_in
 from ..fit.refit import add, converged, cores, drop, gain
 from ..fit.rule import RULE
 from ..model.effects import base_effects_shown
@@ -87,6 +87,26 @@ def anew(
     sure = functools.partial(_pays, last) if after.complete else functools.partial(_lowers, last)
     lower = looked_anew(last, found if after.complete else found[:-1], progress, sure)
     return None if lower is None else replace(lower[0], before=last.before)
+
+
+def at_own_values(ladder: Sequence[LearningStep], progress: Callable[[float], object]) -> Fit | None:
+    """Return the last fit with an effect at values that can be its own, where it ended at others.
+
+    What repeats over position has a period, and of periods the error has many minima: what else was missing
+    led to one that is not its own. Where it explains as much by values that are its own, these are right.
+    None where none does; what `progress` raises ends the work.
+    """
+    first, last = ladder[0].fit, ladder[-1].fit
+    for effect in last.model.effects:
+        if effect in first.model.effects or not stands_in(effect, last):
+            continue
+        core = _core.elsewhere(cores(last), last.core, effect, progress)
+        if core is None:
+            continue
+        again = converged(replace(last, core=core))
+        if gain(last, again, last) >= -RULE.alike and not stands_in(effect, again):
+            return again
+    return None
 
 
 def looked_anew(

@@ -16,7 +16,7 @@ from ..fit.verdict import judged, within_law
 from ..model.effects import base_effects_shown, clipping, descriptions
 from .cut import Deadline, OutOfTime
 from .earlier import retested, without_help
-from .exchanged import anew, exchanged, straightened, with_detents, with_other_detents
+from .exchanged import anew, at_own_values, exchanged, straightened, with_detents, with_other_detents
 from .joined import chance_of, joined, rejoined
 from .joints import followed_to, joints, overlooked
 from .knocks import beside_play, knocking, quiet, with_play
@@ -192,6 +192,8 @@ class _Climb:
         if diagnosis.best is not None or self.sets or fit.log_fault or not fit.noise_floor > 0.0:
             return False
         self.search.tell("weighing what came in against other sets")
+        if self._stands_at(at_own_values(self.ladder, deadline)):
+            return True
         if self._stands_at(anew(self.ladder, diagnosis.comparison, deadline)):
             return True
         if (steps := straightened(diagnosis, deadline)) is not None:

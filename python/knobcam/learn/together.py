@@ -1,4 +1,4 @@
-"""Whether several effects that leave chance alone are causes, or only draw together what none of them is."""
+"""Whether effects that leave chance alone are causes, or only draw what none of them is."""
 
 from __future__ import annotations
 
@@ -31,21 +31,20 @@ def in_doubt(
 ) -> tuple[tuple[str, ...], Unexplained] | None:
     """Return why effects that leave chance alone between them are no explanation, and which of them are none.
 
-    None where they may be causes. One may bend another until its values are not its own any more: what there
-    is to explain is then what there was `before` them. And what a law of mechanics still takes off what they
-    leave, more than chance does and more than their own laws may be off by, shows that they only come near.
-    Beside a joint what is left is of its knocks, and follows much.
+    None where they may be causes. What came in with one, and may have gone again, may bend it until its
+    values are not its own any more: what there is to explain is then what there was `before`. And what a law
+    of mechanics still takes off what several leave, more than chance does and more than their own laws may be
+    off by, shows that they only come near. Beside a joint what is left is of its knocks, and follows much.
     """
-    if len(found) < 2:
-        return None
     names = joined(" and ", map(OfEffect, found))
     bent = {one: whys[0] for one in found if (whys := stands_in(one, fit))}
     if bent:
         one, why = next(iter(bent.items()))
-        template = "{names} draw it together, but {one} by values that cannot be its own: {why}"
+        draw = "{names} draw it together, but {one}" if len(found) > 1 else "{one} draws it, but"
+        template = draw + " by values that cannot be its own: {why}"
         hint = said(template, names=names, one=OfEffect(one), why=why)
         return tuple(bent), before._replace(hint=hint)
-    if fit.model.joint is not None or not follows(fit):
+    if len(found) < 2 or fit.model.joint is not None or not follows(fit):
         return None
     variables, gain, _ = fit.trace
     axis = next(axis for variable, axis in _AXES.items() if variable in variables)

@@ -2,6 +2,7 @@
 
 use crate::effects::Id;
 use crate::fit::Fit;
+use crate::rule::rule;
 
 /// An effect that the model lacks, and what it would do.
 #[derive(Debug, Clone)]
@@ -21,6 +22,11 @@ pub struct Candidate {
 }
 
 impl Candidate {
+    /// What it takes off, less the price of its parameters, in variances of the raw torque's white noise.
+    pub(super) fn worth(&self) -> f64 {
+        self.gain - rule().price * self.parameters as f64
+    }
+
     /// The same where what it explains is too little for it to be named.
     pub(super) fn unnamed(self) -> Self {
         let note =

@@ -4,6 +4,7 @@ use super::beside::beside;
 use super::candidate::Candidate;
 use super::chance::Chance;
 use super::coupled::{Ways, coupled};
+use super::elsewhere::lead_by_its_own_values;
 use super::null::Null;
 use super::screen::{Screen, Start};
 use super::shown::{detents, may_come, needed};
@@ -65,8 +66,9 @@ fn weigh(
     } else {
         weighed(&screen, &quick, [white, floor.squares])
     };
+    lead_by_its_own_values(&screen, &mut found, [white, floor.squares]);
     let best = found.iter().fold(0.0, |best: f64, (candidate, _)| best.max(candidate.gain));
-    let paid = found.iter().any(|(candidate, _)| candidate.gain > rule().price * candidate.parameters as f64);
+    let paid = found.iter().any(|(candidate, _)| candidate.worth() > 0.0);
     let left = screen.squares - best * white;
     let most = best * white >= rule().enough * (screen.squares - floor.squares);
     // Of a little that is missing, what looks like it alone explains the better part of it; where nothing does,
@@ -121,8 +123,7 @@ fn weigh(
 
 /// The model with what explains most, where that looks like one of these joints.
 fn like_a_joint(found: &[(Candidate, Vec<Start>)], joints: &[Id]) -> Option<Model> {
-    let worth = |one: &Candidate| one.gain - rule().price * one.parameters as f64;
-    let (best, _) = found.iter().max_by(|(a, _), (b, _)| worth(a).total_cmp(&worth(b)))?;
+    let (best, _) = found.iter().max_by(|(a, _), (b, _)| a.worth().total_cmp(&b.worth()))?;
     let alike = |id: &Id| id.info().confused.contains(&best.id.info().id);
     Some(best.fit.as_ref().filter(|_| joints.iter().any(alike))?.model.clone())
 }
