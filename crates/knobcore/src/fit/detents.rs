@@ -1,8 +1,9 @@
 //! Are there detents, and which?
 
 use super::hidden::{behind, loads};
+use super::layout::Layout;
 use super::scan::{LEAST_PHASE, Scan, range, scan};
-use super::separable::{Effort, Found, Layout, descend};
+use super::separable::{Effort, Found, descend};
 use super::status::Status;
 use crate::effects::{Id, Wave};
 use crate::error::Result;

@@ -7,8 +7,8 @@
 //! a law: without them its step goes anywhere. The prediction can be many times what any refit does: where it says that
 //! the parts disagree, the refits are made and looked at.
 
+use super::layout::Layout;
 use super::moments::{Blocks, Evaluated, Moments, residuals};
-use super::separable::Layout;
 use super::solve::{Normal, least_squares};
 use crate::model::Model;
 use crate::scalar::WIDE;

@@ -5,6 +5,7 @@ mod detents;
 mod expected;
 mod held_out;
 mod hidden;
+mod layout;
 mod moments;
 mod orders;
 mod parts;
@@ -45,10 +46,11 @@ use crate::special::Z95;
 use detents::{Judge, beginning, best_from_scan, scan_beside};
 use expected::sandwich;
 use held_out::held_out;
+use layout::Layout;
 use moments::{Blocks, measured_squares, used};
 use nalgebra::DMatrix;
 use parts::Parts;
-use separable::{Effort, Layout, at_least_own, descend};
+use separable::{Effort, at_least_own, descend};
 use serial::{Meat, serial, thinned};
 use solve::{Normal, independent, solvable};
 use std::cell::OnceCell;
@@ -125,7 +127,8 @@ fn found(data: &[&Signals], model: &Model, detents: Detents) -> Result<Fit> {
     }
     let mut start = Start { model: model.clone(), found: None, scan: None };
     let loudest = loudest(data);
-    if detents == Detents::Find || is_free(&model, "detent.P") {
+    let period = model.index("detent.P").is_ok_and(|i| model.slots()[i].role == Role::Free);
+    if detents == Detents::Find || period {
         start = scanned(data, &model, detents, &loudest)?.unwrap_or(start);
     }
     let Start { model, found, scan } = start;
@@ -219,10 +222,6 @@ fn scanned(data: &[&Signals], model: &Model, detents: Detents, loudest: &[f64]) 
     let evaluations = without.evaluations;
     let found = with.map(|with| Found { evaluations: with.evaluations + evaluations, ..with });
     Ok(Some(Start { model: full, found, scan: Some(scan) }))
-}
-
-fn is_free(model: &Model, name: &str) -> bool {
-    model.index(name).is_ok_and(|i| model.slots()[i].role == Role::Free)
 }
 
 fn check(data: &[&Signals], model: &Model) -> Result<()> {

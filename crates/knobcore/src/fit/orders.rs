@@ -3,9 +3,9 @@
 //! Forward selection by least squares (Miller 1990): after each choice all others are judged beside it, so that the
 //! skirts of a strong wave are not taken for waves. All it needs are the products of the columns with e^(i n theta).
 
+use super::layout::Layout;
 use super::moments::evaluate;
 use super::scan::{range, scan};
-use super::separable::Layout;
 use crate::effects::{Id, Wave};
 use crate::fourier::Transform;
 use crate::model::{Model, Role};

@@ -1,7 +1,7 @@
 //! Which parameters each of several runs has for itself: those that the data ask for, and no others.
 
+use super::layout::Layout;
 use super::moments::moments;
-use super::separable::Layout;
 use super::solve::{Normal, independent, least_squares, solvable};
 use super::{Fit, refine};
 use crate::effects::Id;

@@ -336,7 +336,7 @@ pub fn scan(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::separable::Layout;
+    use crate::fit::layout::Layout;
     use crate::fit::tests::{gain, turned};
 
     fn scanned(data: &Signals, wave: Wave) -> Scan {

@@ -1,8 +1,8 @@
 //! One trial of a descent: the pass at a set of parameters, what it leaves, and the steps that it promises something of.
 
+use super::layout::Layout;
 use super::moments::{Moments, residuals};
 use super::passes::Passes;
-use super::separable::Layout;
 use super::solve::{Normal, independent};
 use crate::algebra::dot;
 use crate::model::Model;

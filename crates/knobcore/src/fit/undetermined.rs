@@ -1,7 +1,7 @@
 //! What captures say nothing about, and why.
 
+use super::layout::Layout;
 use super::moments::Moments;
-use super::separable::Layout;
 use super::solve::Normal;
 use crate::model::{Model, Role};
 use crate::param::Kind;

@@ -1,9 +1,10 @@
 //! Kept answers of the stages of a fit: the scan, what it decides, and descents that are stopped on their way.
 
+use super::super::layout::Layout;
 use super::super::orders;
 use super::super::parts::Parts;
 use super::super::runs::{differ, runs, settled};
-use super::super::separable::{Effort, Layout, descend};
+use super::super::separable::{Effort, descend};
 use super::super::serial::serial;
 use super::super::undetermined::silent;
 use super::super::*;
