@@ -183,7 +183,8 @@ def test_the_whole_loop_goes_by_keys_alone_and_escape_closes_whatever_opens() ->
 def test_everything_is_found_at_once_given_up_and_gone_back_from_and_no_challenge_is_told_so(
     tmp_path: Path, pictures: Path
 ) -> None:
-    with workbench(capture_with_stribeck(tmp_path, 10_000)) as address:
+    # A search that lasts long enough to be given up, on a fast machine too.
+    with workbench(capture_with_stribeck(tmp_path, 60_000)) as address:
         seen = script("searching.js", address, pictures)
     as_kept(pictures, "30-found-everything")
     assert seen["found"] == [*seen["before"], "+ Stribeck friction"] and seen["back"] == 0
