@@ -12,7 +12,7 @@ use super::thinned::Thinned;
 use super::unseen::seen_next;
 use super::watch::Watch;
 use crate::effects::{Id, Place};
-use crate::fit::{Found, glance, loads, sketch, sketch_within};
+use crate::fit::{Found, glance, loads, sketch, sketch_within, used};
 use crate::model::{Model, Slot};
 use crate::order::descending;
 use crate::rule::rule;
@@ -80,7 +80,6 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool, rival: Opti
     alone(&mut looked);
     let mut seen = watch.each(&looked, |(of, model)| (*of, on(model, |m| glance(&few, m))));
     seen.sort_by_cached_key(cost);
-    let used = |view: &[&Signals]| view.iter().map(|one| one.used() as f64).sum::<f64>();
     // What a rival leaves, of which an end leaves about as much at most; a few steps lead but a part of the way.
     let beaten = |view: &[&Signals]| rival.map_or(f64::INFINITY, |model| squares(view, model));
     let halfway = rival.map_or(f64::INFINITY, |_| 0.5 * (beaten(&few) + screen.squares));
@@ -166,12 +165,11 @@ fn finely(data: &[&Signals], ends: &Ends, worse: Ends, roughly: bool, watch: &Wa
         if roughly { glance(data, model) } else { sketch_within(data, model, within) }
     };
     let mut fine = watch.each(&first, |(of, model)| (*of, on(model, |m| to(m, f64::INFINITY))));
-    let used = data.iter().map(|one| one.used() as f64).sum::<f64>();
-    let within = (RIVAL * least(&fine) / used).sqrt();
+    let within = (RIVAL * least(&fine) / used(data)).sqrt();
     fine.extend(watch.each(rest, |(of, (model, _))| (*of, on(model, |m| to(m, within)))));
     let beaten = |found: Found| Found { cost: f64::INFINITY, ..found };
     fine.extend(worse.into_iter().map(|(of, (model, found))| (of, (model, beaten(found)))));
-    let within = (RIVAL * least(&fine) / used).sqrt();
+    let within = (RIVAL * least(&fine) / used(data)).sqrt();
     let lowest = least(&fine);
     fine.extend(crossed(&fine, watch, |model| to(model, within)));
     if least(&fine) < lowest {

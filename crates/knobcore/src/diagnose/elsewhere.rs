@@ -5,7 +5,7 @@ use super::implausible::implausible;
 use super::screen::{Screen, Start};
 use super::watch::{Tell, Watch};
 use crate::effects::Id;
-use crate::fit::{Fit, report, sketch};
+use crate::fit::{Fit, report, sketch, used};
 use crate::rule::rule;
 use crate::signals::Signals;
 
@@ -39,7 +39,7 @@ pub fn lead_by_its_own_values(
         return;
     }
     let Some(own) = own_end(screen, fit, lead.id, starts) else { return };
-    let squares = |fit: &Fit| fit.rmse.powi(2) * screen.data.iter().map(|one| one.used() as f64).sum::<f64>();
+    let squares = |fit: &Fit| fit.rmse.powi(2) * used(screen.data);
     let left = (squares(fit) - floor).max(0.0);
     if squares(&own) - squares(fit) <= (rule().alike * white).max(rule().relative * left) {
         lead.gain = (screen.squares - squares(&own)) / white;

@@ -11,7 +11,7 @@ use super::shown::{may_come, shown, with_joint};
 use super::slower::{self, COARSE_HZ, MIDDLE_HZ, beginnings, slowed};
 use super::watch::{Tell, Watch};
 use crate::effects::{Id, Place};
-use crate::fit::{Fit, Found, glance, report, sketch};
+use crate::fit::{Fit, Found, glance, report, sketch, used};
 use crate::floor::Floor;
 use crate::model::Model;
 use crate::order::Ascending;
@@ -96,7 +96,6 @@ pub fn pairs(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_>) 
     let first: Vec<&Signals> = first.iter().collect();
     let coarse = slowed(&first, COARSE_HZ);
     let coarse: Vec<&Signals> = coarse.iter().collect();
-    let used = |data: &[&Signals]| data.iter().map(|signals| signals.used()).sum::<usize>() as f64;
     let white = Floor::of(data, model).white;
     // Of few samples a parameter takes off as much less.
     let price = if white.is_finite() { rule().price * white * used(&coarse) / used(&first) } else { 0.0 };

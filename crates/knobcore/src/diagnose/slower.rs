@@ -2,6 +2,7 @@
 //! takes its first steps.
 
 use crate::filter::{ZeroPhase, cheby2};
+use crate::fit::used;
 use crate::floor::Floor;
 use crate::model::Model;
 use crate::noise::Noise;
@@ -63,7 +64,6 @@ pub fn floor(data: &[&Signals], edge_hz: f64, slowed: &[&Signals], model: &Model
     let slow = |signals: &&Signals| behind(signals, edge_hz * slower(signals.rate_hz));
     let whole: Vec<Signals> = data.iter().filter_map(slow).collect();
     let whole: Vec<&Signals> = whole.iter().collect();
-    let used = |data: &[&Signals]| data.iter().map(|signals| signals.used()).sum::<usize>() as f64;
     Floor::of(&whole, model).squares * used(slowed) / used(&whole)
 }
 

@@ -25,7 +25,7 @@ mod worth;
 pub use expected::Expected;
 pub use hidden::{behind, knocks, loads};
 pub use moments::Moments;
-pub(crate) use moments::{add_products, evaluate, residuals};
+pub(crate) use moments::{add_products, evaluate, residuals, used};
 pub use orders::beside as beside_orders;
 pub(crate) use runs::{differ, runs, settled};
 pub use scan::Scan;
@@ -47,7 +47,7 @@ use detents::{Judge, beginning, best_from_scan, scan_beside};
 use expected::sandwich;
 use held_out::held_out;
 use layout::Layout;
-use moments::{Blocks, measured_squares, used};
+use moments::{Blocks, measured_squares};
 use nalgebra::DMatrix;
 use parts::Parts;
 use separable::{Effort, at_least_own, descend};
@@ -173,7 +173,7 @@ pub fn sketch(data: &[&Signals], model: &Model) -> Found {
 
 /// The same, given up where an RMS error of so much seems out of reach.
 pub fn sketch_within(data: &[&Signals], model: &Model, rmse: f64) -> Found {
-    let most = rmse.powi(2) * data.iter().map(|one| one.used() as f64).sum::<f64>();
+    let most = rmse.powi(2) * used(data);
     descend(data, model, &Layout::of(model), &model.values(), Effort::Within(most))
 }
 

@@ -9,7 +9,7 @@
 //! sets of parameters takes a quarter of one with: after a step that failed those to try next are tried at once.
 
 use super::layout::{Layout, keep_ties};
-use super::moments::measured_squares;
+use super::moments::{measured_squares, used};
 use super::passes::Passes;
 use super::status::Status;
 use super::trial::{Held, Point, Problem};
@@ -88,7 +88,7 @@ pub struct Found {
 /// The best parameters that a descent from `start` reaches.
 pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64], effort: Effort) -> Found {
     let total = measured_squares(data);
-    let rows: f64 = data.iter().map(|s| s.used() as f64).sum();
+    let rows = used(data);
     let unit = (total / rows.max(1.0)).sqrt().max(f64::MIN_POSITIVE);
     let passes = Passes::of(data, model, &layout.free, !layout.hard.is_empty());
     let mut problem = Problem { data, passes, model, layout, total, unit, evaluations: 0 };

@@ -45,8 +45,9 @@ pub fn several(
     torques: &mut [Vec<f64>],
 ) {
     let columns = vec![None; model.slots().len()];
+    let together = go_together(model);
     for (sets, torques) in sets.chunks(WIDE).zip(torques.chunks_mut(WIDE)) {
-        let wide = go_together(model) && sets.len() > 1;
+        let wide = together && sets.len() > 1;
         if wide {
             behind::side_by_side(model, sets, substeps, motion, dt, torques);
         }
