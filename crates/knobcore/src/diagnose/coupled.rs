@@ -146,10 +146,8 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool, rival: Opti
 }
 
 /// The same ends with a shaft that gives way where a slower filter does not see it and the next does.
-fn softer(data: &[&Signals], ends: &Ends, [edge, next]: [f64; 2]) -> Vec<(usize, Model)> {
-    let rate_hz = data.iter().map(|one| one.rate_hz).fold(0.0, f64::max);
-    let seen =
-        |(of, (model, _)): &(usize, (Model, Found))| Some((*of, seen_next(model, edge, next, rate_hz)?));
+fn softer(data: &[&Signals], ends: &Ends, edges: [f64; 2]) -> Vec<(usize, Model)> {
+    let seen = |(of, (model, _)): &(usize, (Model, Found))| Some((*of, seen_next(data, model, edges)?));
     ends.iter().filter_map(seen).collect()
 }
 
