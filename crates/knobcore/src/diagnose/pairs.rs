@@ -9,7 +9,7 @@ use super::ends::on;
 use super::screen::{Screen, Start};
 use super::shown::{may_come, shown, with_joint};
 use super::slower::{self, BEFORE, COARSE_HZ, MIDDLE_HZ, beginnings, slowed};
-use super::unseen::seen_next;
+use super::unseen::lower;
 use super::watch::{Tell, Watch};
 use crate::effects::{Id, Place};
 use crate::fit::{Fit, Found, glance, report, sketch, used};
@@ -138,9 +138,9 @@ pub fn pairs(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_>) 
     let without = squares(&middle, model);
     let ends = watch.each(&best_of(followed, price, FINE, 1, Way::kind), |way| {
         watch.step();
-        let between = better(&middle, &way.model, [COARSE_HZ, MIDDLE_HZ])?;
+        let between = lower(&middle, &way.model, [COARSE_HZ, MIDDLE_HZ], sketch);
         let between = strode(&middle, between, floor, without, &watch).0;
-        let (model, found) = better(data, &between, [MIDDLE_HZ, BEFORE * MIDDLE_HZ])?;
+        let (model, found) = lower(data, &between, [MIDDLE_HZ, BEFORE * MIDDLE_HZ], sketch);
         let fit = report(data, &model, found).ok()?;
         Some(Pair { coupling: way.coupling, companion: way.companion, fit })
     });
@@ -188,13 +188,6 @@ fn beside(rigid: &Screen<'_>, companion: Id, couplings: &[Id], through: &[(Id, V
         all.extend(starts.into_iter().map(|start| way((*coupling, start))));
     }
     all
-}
-
-/// Where a descent leads, or one from a joint that this view sees and the one before it did not, if that ends lower.
-fn better(view: &[&Signals], model: &Model, edges: [f64; 2]) -> Option<(Model, Found)> {
-    let starts = [Some(model.clone()), seen_next(view, model, edges)];
-    let ends = starts.iter().flatten().map(|start| on(start, |model| sketch(view, model)));
-    ends.min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost))
 }
 
 /// The best of them for their parameters, so many of a kind at most.

@@ -4,8 +4,10 @@
 //! chance leads; in the next view, which would tell, there is no slope that leads back. Nor where it is damped so that its
 //! surfaces stick together for as long: those that bounce are of another valley.
 
+use super::ends::{Ends, on};
 use super::slower::KEPT;
 use crate::effects::Place;
+use crate::fit::Found;
 use crate::model::Model;
 use crate::prepare::slower;
 use crate::signals::Signals;
@@ -31,6 +33,26 @@ pub fn seen_next(data: &[&Signals], model: &Model, [edge_hz, next_hz]: [f64; 2])
         seen.set(&format!("{}.{name}", id.info().id), value.clamp(param.lower, param.upper)).ok()?;
     }
     Some(seen)
+}
+
+/// The same ends with a shaft that gives way where a slower filter does not see it and the next does.
+pub fn softer(data: &[&Signals], ends: &Ends, edges: [f64; 2]) -> Vec<(usize, Model)> {
+    let seen = |(of, (model, _)): &(usize, (Model, Found))| Some((*of, seen_next(data, model, edges)?));
+    ends.iter().filter_map(seen).collect()
+}
+
+/// Where a descent leads in a view, or one from a joint that this view sees and the one before it did not, if that ends
+/// lower.
+pub fn lower(
+    view: &[&Signals],
+    model: &Model,
+    edges: [f64; 2],
+    to: impl Fn(&[&Signals], &Model) -> Found,
+) -> (Model, Found) {
+    let to = |model: &Model| on(model, |model| to(view, model));
+    let end = to(model);
+    let seen = seen_next(view, model, edges).map(|seen| to(&seen));
+    seen.filter(|(_, seen)| seen.cost < end.1.cost).unwrap_or(end)
 }
 
 #[cfg(test)]
