@@ -24,7 +24,7 @@ def between_knocks(fit: Fit) -> tuple[Prepared, ...]:
 
 
 def of_knocks_alone(candidate: Candidate, before: Fit) -> list[Said]:
-    """Return that a candidate explains nothing between the knocks of a play, and little of what is left at them.
+    """Return that a candidate explains nothing between the knocks of a play, and little of what they leave.
 
     How a knock goes no law of a contact tells as well as it is measured. An effect that is there takes off
     what is left at knocks, however little else it does.
