@@ -28,7 +28,7 @@ SPRUNG = {"knob": "knob4", "effects": ["return_spring"], "motion": "sweep", "dur
 
 @pytest.fixture(autouse=True)
 def _quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A search of half a second is enough to be tested, and a knob that is sampled less often says the same."""
+    """A search of half a second is enough to be tested, and a fifth of the samples says the same."""
 
     def simulated(*knob: Any, **how: Any) -> kc.Capture:
         return kc.simulate(*knob, **({"rate_hz": 1000.0} if "duration_s" in how else {}) | how)
