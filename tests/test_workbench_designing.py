@@ -334,6 +334,7 @@ def sprung_bench() -> Any:
         yield client, bench
 
 
+@pytest.mark.alone  # each wider limit has a part of three seconds to show what it is worth
 def test_limits_that_are_too_narrow_are_answered_with_the_one_that_would_do(
     sprung_bench: tuple[httpx.Client, Bench], monkeypatch: pytest.MonkeyPatch
 ) -> None:
