@@ -24,7 +24,7 @@ def knob(**more: float) -> kc.Model:
 
 def recorded(model: kc.Model, uneven: float) -> kc.Capture:
     """A capture of it, each of whose knocks is harder or softer than the play lets expect."""
-    capture = kc.simulate(model, motion="multisine", duration_s=2.0, rate_hz=2500.0, seed=3)
+    capture = kc.simulate(model, motion="multisine", duration_s=3.0, rate_hz=2500.0, seed=3)
     prepared = kc.prepare(capture)
     quiet = model.core.without_knocks(prepared.core, 1.0)
     assert quiet is not None
