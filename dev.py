@@ -139,10 +139,10 @@ def setup(tools: str = "dev", profile: str = "develop") -> None:
 
 def library(folder: Path, profile: str, target: str = "", tree: Path = ROOT) -> None:
     """The render step for programs in C and for simulators, which `knobcam convert` hands out."""
+    bare(folder, target, tree)  # first: in a place of its own, it waits for nobody who compiles meanwhile
     only = ("--target", target) if target else ()
     run("cargo", "build", "--profile", profile, "--locked", "--package", "knobstep", *only, place=tree)
     collect([built_in(tree, target) / profile / name for name in SHARED], folder)
-    bare(folder, target, tree)
 
 
 def bare(folder: Path, target: str = "", tree: Path = ROOT) -> None:
@@ -195,8 +195,9 @@ def test(options: list[str]) -> None:
     # A file is one worker's, so that what its tests share is made once. Where the benchmarks' tools are
     # installed, they would warn of every worker.
     beside = ("-n", "logical", "--maxprocesses", "8", "--dist", "loadfile", "-p", "no:benchmark")
-    run(PYTHON, "-m", "pytest", "-m", "not alone", *beside)
-    run(PYTHON, "-m", "pytest", "-m", "alone")
+    # In the order of tests/conftest.py.
+    run(PYTHON, "-m", "pytest", "-m", "not alone", *beside, "--no-loadscope-reorder")
+    run(PYTHON, "-m", "pytest", "-m", "alone", "tests")
 
 
 def orders(_: list[str]) -> None:

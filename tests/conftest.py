@@ -24,23 +24,40 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 # What these are about takes the time that it takes only where nothing else runs. Who merely starts processes
-# or servers is not among them. Of the browser's those are that say so.
-ALONE = ("faults", "loop", "rig_capture", "rig_emulator", "rig_faults", "rig_safety", "rig_trust")
-ALONE += ("workbench_patience", "workbench_sources")
+# or servers is not among them, nor who records from a rig that is faster than time: it waits for a host that
+# is behind. Single tests of other files say so themselves.
+ALONE = ("faults", "loop", "rig_safety", "workbench_patience")
+
+# These take the longest, and a file is one worker's: whoever begins with them has none left at the end.
+FIRST = ("browser", "docs", "workbench_designing")
 
 # Of the captures that many tests share: they show the same as at 5 kHz, and a search costs a fraction.
 RATE_HZ = 1000.0
 
 
+def about(path: Path) -> str:
+    """What a file of tests is about, by its name."""
+    return path.stem.removeprefix("test_")
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Whoever asks for those alone needs no other file: to load them all takes longer than many tests."""
+    if config.option.markexpr != "alone" or not collection_path.name.startswith("test_"):
+        return None
+    alone = about(collection_path) in ALONE or "pytest.mark.alone" in collection_path.read_text("utf-8")
+    return None if alone else True
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
-        if item.path.stem.removeprefix("test_") in ALONE:
+        if about(item.path) in ALONE:
             item.add_marker(pytest.mark.alone)
+    items.sort(key=lambda item: FIRST.index(about(item.path)) if about(item.path) in FIRST else len(FIRST))
 
 
 def pytest_collection_finish() -> None:
-    """What is loaded by now stays; who collects garbage, as statsmodels does at each call, leaves it out."""
+    """What is loaded by now stays; who collects garbage leaves it out."""
     gc.freeze()
 
 

@@ -170,7 +170,6 @@ def test_of_many_samples_all_are_drawn_as_soon_as_nothing_moves(tmp_path: Path) 
     assert all(some < every for some, every in zip(seen["first"], seen["rested"], strict=True))
 
 
-@pytest.mark.alone
 def test_the_whole_loop_goes_by_keys_alone_and_escape_closes_whatever_opens() -> None:
     with process(surprise="stribeck") as (address, _):
         seen = script("keyboard.js", address)
@@ -192,7 +191,6 @@ def test_everything_is_found_at_once_given_up_and_gone_back_from_and_no_challeng
     assert seen["sealed"]
 
 
-@pytest.mark.alone
 def test_what_is_no_file_is_refused_at_once_two_pages_agree_and_a_killed_server_is_told(
     tmp_path: Path, pictures: Path
 ) -> None:
@@ -208,7 +206,6 @@ def test_what_is_no_file_is_refused_at_once_two_pages_agree_and_a_killed_server_
     assert seen["rmse"][1] > seen["rmse"][0]
 
 
-@pytest.mark.alone
 def test_a_session_that_was_left_goes_on_in_the_page_as_it_looked(tmp_path: Path, pictures: Path) -> None:
     with workbench(capture_with_stribeck(tmp_path, 10_000)) as address:
         before = script("going.js", address, pictures, "leave")

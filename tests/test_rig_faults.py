@@ -31,8 +31,8 @@ KEPT = re.compile(r"(\d+) samples are kept in (\S+)$")
 
 @pytest.fixture
 def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nobody waits long for an answer that will not come."""
-    monkeypatch.setattr("knobcam.rig.link._WAITS_S", (0.05, 0.05))
+    """Nobody waits long for an answer that will not come, yet for one that is late on a busy machine."""
+    monkeypatch.setattr("knobcam.rig.link._WAITS_S", (0.25, 0.25))
 
 
 @pytest.fixture

@@ -158,12 +158,22 @@ def test_a_program_of_ones_own_that_is_terminated_disarms_too(tmp_path: Path) ->
             assert (link.state, link.fault) == ("idle", None)
 
 
+def turns(host: subprocess.Popen[str]) -> bool:
+    """Whether the thread of a loop is there, where a system tells."""
+    threads = Path(f"/proc/{host.pid}/task")
+    return not threads.is_dir() or "knobcam-loop\n" in [
+        (one / "comm").read_text() for one in threads.iterdir()
+    ]
+
+
 def test_a_loop_that_is_interrupted_answers_with_its_report_and_130() -> None:
     words = [sys.executable, "-u", "-m", "knobcam", "render", "knob4", "--time", "virtual"]
     words += ["--seconds", "1e6", "--json"]
     for name, code in CODES.items():
         with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as host:
-            time.sleep(2.0)
+            while host.poll() is None and not turns(host):
+                time.sleep(0.05)
+            time.sleep(0.5 if sys.platform == "linux" else 2.0)  # by now somebody waits for its end
             host.send_signal(getattr(signal, name))
             out, err = host.communicate()
         assert host.returncode == code, err

@@ -18,6 +18,7 @@ import knobcam as kc
 from knobcam.base.said import Said
 from knobcam.capture.motion_plan import MotionPlan
 from knobcam.workbench import designed as designing
+from knobcam.workbench import sources
 from knobcam.workbench.bench import Bench
 from knobcam.workbench.guard import HEADER
 
@@ -27,8 +28,13 @@ SPRUNG = {"knob": "knob4", "effects": ["return_spring"], "motion": "sweep", "dur
 
 @pytest.fixture(autouse=True)
 def _quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A search of half a second is enough to be tested."""
+    """A search of half a second is enough to be tested, and a fifth of the samples says the same."""
+
+    def simulated(*knob: Any, **how: Any) -> kc.Capture:
+        return kc.simulate(*knob, **({"rate_hz": 1000.0} if "duration_s" in how else {}) | how)
+
     searched(monkeypatch, 0.5)
+    monkeypatch.setattr(sources, "simulate", simulated)
 
 
 def searched(monkeypatch: pytest.MonkeyPatch, seconds: float) -> None:
@@ -178,8 +184,9 @@ def test_where_nothing_is_tied_the_next_motion_is_for_what_is_known_least(
 
 
 def test_what_came_in_and_is_needless_beside_what_came_in_since_is_told_and_goes_by_a_button(
-    client: httpx.Client, bench: Bench
+    client: httpx.Client, bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(sources, "simulate", kc.simulate)  # which others do as well takes all samples
     post(client, "simulate", **SPRUNG)
     for effect in ("unbalance", "return_spring"):
         post(client, "add", effect=effect)
@@ -327,6 +334,7 @@ def sprung_bench() -> Any:
         yield client, bench
 
 
+@pytest.mark.alone  # each wider limit has a part of three seconds to show what it is worth
 def test_limits_that_are_too_narrow_are_answered_with_the_one_that_would_do(
     sprung_bench: tuple[httpx.Client, Bench], monkeypatch: pytest.MonkeyPatch
 ) -> None:

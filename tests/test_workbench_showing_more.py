@@ -2,17 +2,32 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import pytest
 from brake import braked, braked_knob
+from small import COUPLINGS
 from workbench_server import served
 
 import knobcam as kc
 from knobcam.base.said import Said
-from knobcam.workbench import trying
+from knobcam.learn import designing
+from knobcam.workbench import adding, trying
 from knobcam.workbench.bench import Bench
 from knobcam.workbench.tell import quiet
 
 
-def test_a_motion_shows_more_of_what_has_no_name_and_its_recording_says_what_is_left() -> None:
+def test_a_motion_shows_more_of_what_has_no_name_and_its_recording_says_what_is_left(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def search(first: kc.Fit, without: set[str], *more: Any, **how: Any) -> Any:
+        return whole(first, without | set(COUPLINGS), *more, **how)
+
+    whole = adding.Search
+    monkeypatch.setattr(adding, "Search", search)
+    monkeypatch.setattr(
+        designing, "_CHANGE_S", 0.5
+    )  # for a limit that would do; one is too narrow in any case
     bench = Bench()
     with served(bench) as client:
         bench.session.take(braked_knob(0.016, 1.3), "braked")

@@ -17,8 +17,9 @@ const picture = (name) => page.screenshot({ path: join(folder, `${name}.png`) })
 if (mode === "leave") {
   await painted(page, "first picture");
   await brushed(page, "residual over velocity", [0.3, 0.2], [0.6, 0.8]);
+  const kept = page.waitForResponse((answer) => /"isolated":true/.test(answer.request().postData() ?? ""));
   await done(page, "data", () => page.locator("#isolated").check());
-  await page.waitForTimeout(1000);
+  await kept;
 } else {
   await page.locator("#left-behind").waitFor();
   await picture("20-a-session-that-was-left");
