@@ -8,13 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 from command import knobcam, refused
-from statsmodels.stats.multitest import multipletests
 
 from knobcam.errors import InputError
 from knobcam.fleet import BatchResult
 from knobcam.fleet.judged import judged
 from knobcam.fleet.limits import Between, Limits
-from knobcam.fleet.lots import capable, chart, holm
+from knobcam.fleet.lots import capable, chart
 from knobcam.fleet.row import Row
 from knobcam.fleet.settings import Settings
 from knobcam.fleet.store import Store
@@ -102,16 +101,6 @@ def test_an_effect_that_one_lot_has_is_said_to_be_of_that_lot():
         row |= {"learned": True, "found": ["backlash"] if at >= 14 else []}
     (one,) = Study.of(rows, None).more
     assert (one.lot, one.effect, one.here, one.there) == ("B", "backlash", (10, 12), (0, 12))
-
-
-def test_what_is_beyond_chance_among_many_is_what_statsmodels_says():
-    rng = np.random.default_rng(4)
-    assert not holm([], 0.01).size
-    for level in (0.01, 0.05):
-        for many in (1, 2, 5, 40):
-            p_values = np.concatenate([rng.uniform(size=many), 10.0 ** rng.uniform(-5.0, -1.0, many)])
-            right = multipletests(p_values, alpha=level, method="holm")[0]
-            assert holm(list(p_values), level).tolist() == right.tolist()
 
 
 def test_cp_and_cpk_are_those_of_the_textbook_and_their_intervals_hold_the_truth():

@@ -22,7 +22,6 @@ from knobcam.fleet.study import Study
 
 LEANS = ("stribeck", "quadratic_drag", "friction_drift", "return_spring", "unbalance")
 GAINS = ("torque_drift", "end_stop", "presliding", "position_friction")
-RATE_HZ = 2500.0  # of captures: hints of five of a lot are strong enough
 
 
 def lot(rng: np.random.Generator, name: str, count: int, **more: float) -> list[Row]:
@@ -119,9 +118,7 @@ def test_a_batch_keeps_hints_and_a_folder_stays_as_it_was_begun(
         part = model.with_effect("stribeck").with_value("stribeck.rise", rise)
         part = part.with_value("stribeck.vs", 0.5)
         for at in range(5):
-            kc.simulate(part, "sweep", rate_hz=RATE_HZ, seed=100 * ord(lot_name) + at).save(
-                folder / f"{at}.npz"
-            )
+            kc.simulate(part, "sweep", seed=100 * ord(lot_name) + at).save(folder / f"{at}.npz")
     result = kc.batch(tmp_path / "captures", tmp_path / "r", learn="none")
     leans = {lot_name: [] for lot_name in "AB"}
     for row in result.rows:
@@ -132,14 +129,14 @@ def test_a_batch_keeps_hints_and_a_folder_stays_as_it_was_begun(
     with_none = kc.batch(tmp_path / "captures", tmp_path / "n", learn="none")
     assert all(row["hints"] == {} for row in with_none.rows) and not with_none.study.held
     (tmp_path / "captures" / "lot=A" / "0.npz").unlink()
-    kc.simulate(model, "sweep", rate_hz=RATE_HZ, seed=5).save(tmp_path / "captures" / "lot=A" / "0.npz")
+    kc.simulate(model, "sweep", seed=5).save(tmp_path / "captures" / "lot=A" / "0.npz")
     monkeypatch.setattr("knobcam.fleet.batching._HINTED", 10)
     again = kc.batch(tmp_path / "captures", tmp_path / "n", learn="none")
     assert again.fresh == 1 and all(row["hints"] == {} for row in again.rows)
 
 
 def test_hints_are_of_the_effects_that_a_fit_lacks() -> None:
-    capture: Any = kc.simulate(kc.Model.load("knob5"), "sweep", rate_hz=RATE_HZ, seed=1)
+    capture: Any = kc.simulate(kc.Model.load("knob5"), "sweep", seed=1)
     told = hints(kc.fit(capture))
     assert {"lean.stribeck", "gain.torque_drift"} <= set(told)
     assert not {name for name in told if name.partition(".")[2] in ("coulomb", "backlash", "wavelet")}

@@ -149,19 +149,6 @@ class Shift(NamedTuple):
         )
 
 
-def holm(p_values: Sequence[float], level: float) -> BoolArray:
-    """Return which of many p-values are beyond chance together (Holm 1979, step-down).
-
-    The smallest is held against the level divided by all of them, the next one by those that are left, until
-    one is not below. What statsmodels has collects garbage at each call, a quarter of a second.
-    """
-    order = np.argsort(p_values, kind="stable")
-    below = np.asarray(p_values)[order] <= level / np.arange(len(order), 0, -1)
-    sure = np.zeros(len(order), dtype=bool)
-    sure[order] = np.logical_and.accumulate(below)
-    return sure
-
-
 def shifts(table: Any, names: Sequence[str], by: str) -> list[Shift]:
     """Return which lots or stations differ from the rest in what, the surest first.
 
@@ -169,6 +156,7 @@ def shifts(table: Any, names: Sequence[str], by: str) -> list[Shift]:
     all that is compared. The surest is taken out of the rest that the others are compared with, one after the
     other: beside one that moved, those that did not would seem to have moved the other way.
     """
+    holm = require("statsmodels.stats.multitest", "comparing lots", "fleet").multipletests
     moved: dict[tuple[str, str], Shift] = {}
     while True:
         found = []
@@ -178,7 +166,7 @@ def shifts(table: Any, names: Sequence[str], by: str) -> list[Shift]:
                 rest = [one for one in left if one != name]
                 one = _shift(table, parameter, by, name, rest)
                 found += [] if one is None else [one]
-        sure = holm([one.p_value for one in found], LEVEL)
+        sure = holm([one.p_value for one in found], alpha=LEVEL, method="holm")[0] if found else []
         beyond = [one for one, yes in zip(found, sure, strict=True) if yes]
         if not beyond:
             return sorted(moved.values(), key=lambda one: one.p_value)
@@ -321,6 +309,7 @@ class More(NamedTuple):
 def more(rows: Sequence[Row]) -> list[More]:
     """Return what some lots have more often than the rest (Fisher's exact test, Holm's correction)."""
     stats = require("scipy.stats", "comparing lots", "fleet")
+    holm = require("statsmodels.stats.multitest", "comparing lots", "fleet").multipletests
     good = [row for row in rows if counts(row) and row["learned"]]
     found = []
     for lot in sorted({row["lot"] or "" for row in good}):
@@ -333,5 +322,5 @@ def more(rows: Sequence[Row]) -> list[More]:
             if min(n, m) >= 3:
                 test = stats.fisher_exact([[a, n - a], [b, m - b]], alternative="greater")
                 found.append(More(lot, effect, (a, n), (b, m), float(float(test.pvalue))))
-    sure = holm([one.p_value for one in found], 0.05)
+    sure = holm([one.p_value for one in found], alpha=0.05, method="holm")[0] if found else []
     return [one for one, yes in zip(found, sure, strict=True) if yes]

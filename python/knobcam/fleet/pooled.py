@@ -12,7 +12,7 @@ from ..base.arrays import FloatArray
 from ..base.optional import require
 from ..fit.rule import RULE
 from ..model.effects import Effect, effects
-from .lots import FEWEST, LEVEL, holm, usual
+from .lots import FEWEST, LEVEL, usual
 from .outliers import unexplained
 from .row import Row
 
@@ -97,7 +97,10 @@ def compared(table: Any, rows: Sequence[Row]) -> list[Held]:
             fits = kind == "gain" or _plausible(known.get(effect), middles[first])
             count = (len(new), len(old))
             found.append(Held(lot, lots[0], effect, _score(new, old), p, count, plausible=fits, first=first))
-    sure = holm([one.p_value for one in found], LEVEL)
+    if not found:
+        return []
+    holm = require("statsmodels.stats.multitest", "comparing lots", "fleet").multipletests
+    sure = holm([one.p_value for one in found], alpha=LEVEL, method="holm")[0]
     return [one._replace(sure=bool(yes)) for one, yes in zip(found, sure, strict=True)]
 
 
