@@ -71,3 +71,20 @@ def test_a_play_that_came_in_with_another_effect_is_looked_beside_though_it_was_
     step = knocks.beside_play(found, knocks.quiet(found, fit))
     assert step.added == "backlash" and step.p_value <= 0.01
     assert step.fit.rmse < 1.05 * step.fit.noise_floor
+
+
+@pytest.mark.parametrize(
+    "there, uneven, effect, of_knocks",
+    [
+        ({}, 0.6, "presliding", True),
+        ({"torque_lag__lag": 1e-3}, 0.0, "torque_lag", False),
+        ({"quadratic_drag__d": 4e-4}, 0.3, "quadratic_drag", False),
+    ],
+)
+def test_what_explains_nothing_but_how_a_play_knocks_and_little_of_that_is_no_cause(
+    there: dict[str, float], uneven: float, effect: str, of_knocks: bool
+) -> None:
+    gapped = kc.fit(recorded(knob(**there), uneven), detents="no").add("backlash")
+    told = gapped.diagnose(only=(effect,))[effect]
+    assert told.gain > 100.0 and told.p_value <= 0.001
+    assert any("between the knocks" in str(why) for why in told.implausible) is of_knocks

@@ -337,6 +337,9 @@ def worth_adding(
         few = _weighed(fit, out, progress, worth=True)
         if few.best is None:
             return few
+        if fit.model.joint is not None:
+            # Beside a joint few are followed either way.
+            return replace(few, whole=True)
     return _weighed(fit, out, progress)
 
 

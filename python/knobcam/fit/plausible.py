@@ -11,6 +11,7 @@ from .. import _core
 from ..base.arrays import FloatArray
 from ..base.said import Advice, OfColumn, OfEffect, OfParam, Said, joined, number, said
 from ..model.effects import base_effects, base_effects_shown, effects
+from .knocked import of_knocks_alone
 from .power import gives_back
 from .refit import cores
 from .rule import RULE
@@ -49,6 +50,7 @@ def implausible(candidate: Candidate, before: Fit) -> tuple[Said, ...]:
         *_pushed_out(candidate, before),
         *_unseen(fit, before),
         *filtered_off(candidate.effect, fit),
+        *of_knocks_alone(candidate, before),
         *_not_its_own(candidate.effect, fit, first=before.before is None),
     )
 

@@ -10,6 +10,7 @@ import numpy as np
 from .. import _core
 from ..base.said import OfColumn, number, said
 from ..capture.finding import Finding, spans
+from ..fit.knocked import between_knocks
 from ..fit.refit import converged, cores, on, started
 from ..fit.rule import RULE
 from .joined import chance_of
@@ -45,12 +46,10 @@ def knocking(ladder: Sequence[LearningStep], last: Diagnosis) -> Knocks | None:
         if any(one.capture.clipped for one in gapped.prepared):
             return None  # what is counted of it changes as effects come in
         floor = gapped.noise_floor
-        squares, rows, parts = np.zeros(2), np.zeros(2), []
-        for one in gapped.prepared:
-            core = gapped.core.model.without_knocks(one.core, floor)
-            parts.append(one if core is None else replace(one, core=core))
+        squares, rows, parts = np.zeros(2), np.zeros(2), between_knocks(gapped)
+        for one, part in zip(gapped.prepared, parts, strict=True):
             rest = np.square(one.tau - gapped.core.model.torque(one.core))
-            for at, counted in enumerate((one.used & ~parts[-1].used, one.used)):
+            for at, counted in enumerate((one.used & ~part.used, one.used)):
                 squares[at] += np.sum(rest[counted])
                 rows[at] += np.sum(counted)
         inside, every = squares - rows * floor**2

@@ -158,7 +158,7 @@ impl<T: Carried> Hidden<T> {
         // Only surfaces that meet and part knock.
         let half = if self.joint.welded { 1 } else { (self.substeps / 2).max(1) };
         let (h, share) = (time / carried as f64, |steps: usize| steps as f64 / carried as f64);
-        let (mut knob, mut sum, mut angle) = (self.knob, T::of(0.0), from[1]);
+        let (mut knob, mut sum, mut angle) = (self.knob.settled(), T::of(0.0), from[1]);
         // One loop for the steps between the instants and those that are tried, so that a step is compiled once.
         for step in 0..carried + half {
             if step == carried || (0 < step && step < carried) {

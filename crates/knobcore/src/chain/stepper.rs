@@ -114,6 +114,12 @@ impl<T: Branches> Pressed<T> {
 }
 
 impl<T: Branches> Body<T> {
+    /// Itself without derivatives that died away.
+    #[inline(always)]
+    pub fn settled(self) -> Self {
+        Self { theta: self.theta.settled(), omega: self.omega.settled(), ..self }
+    }
+
     /// A body at an angle and a speed.
     #[inline]
     pub fn at(theta: T, omega: T) -> Self {

@@ -2,8 +2,9 @@
 
 use super::coupled::{self, squares};
 use super::ends::on;
-use super::slower::{self, COARSE_HZ, MIDDLE_HZ, slowed};
+use super::slower::{self, BEFORE, COARSE_HZ, MIDDLE_HZ, slowed};
 use super::strides::{ROUNDS, strides};
+use super::unseen;
 use super::watch::Watch;
 use crate::error::Result;
 use crate::fit::{Fit, glance, refine, settled, sketch};
@@ -79,8 +80,8 @@ fn slowly(data: &[&Signals], model: &Model) -> Option<Model> {
     let end = on(model, |model| sketch(&coarse, model));
     let floor = slower::floor(data, COARSE_HZ, &coarse, model);
     let (end, _) = coupled::strode(&coarse, end, floor, f64::INFINITY, &watch);
-    let (end, _) = on(&end, |model| sketch(&middle, model));
-    let (end, found) = on(&end, |model| glance(data, model));
+    let (end, _) = unseen::lower(&middle, &end, [COARSE_HZ, MIDDLE_HZ], sketch);
+    let (end, found) = unseen::lower(data, &end, [MIDDLE_HZ, BEFORE * MIDDLE_HZ], glance);
     (found.cost < squares(data, model)).then_some(end)
 }
 

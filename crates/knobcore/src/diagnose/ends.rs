@@ -8,6 +8,9 @@ use crate::rule::rule;
 /// Ends of descents, each with the place of its way among the ways.
 pub(super) type Ends = Vec<(usize, (Model, Found))>;
 
+/// Sums of squares of what is followed to its end, in times of the best.
+pub(super) const RIVAL: f64 = 1.15;
+
 /// Ends whose sums of squares differ by less than this share are one.
 pub(super) const SAME: f64 = 1e-3;
 

@@ -1,7 +1,7 @@
 //! One joint in the place of another.
 
-use super::coupled::{RIVAL, joined_as, joined_by};
-use super::ends::{Ends, cost, on, others};
+use super::ends::{Ends, RIVAL, cost, on, others};
+use super::joined::{joined_as, joined_by};
 use super::screen::survey;
 use super::slower::enough;
 use super::watch::{Tell, Watch};

@@ -8,7 +8,8 @@ use super::coupled::{squares, strode};
 use super::ends::on;
 use super::screen::{Screen, Start};
 use super::shown::{may_come, shown, with_joint};
-use super::slower::{self, COARSE_HZ, MIDDLE_HZ, beginnings, slowed};
+use super::slower::{self, BEFORE, COARSE_HZ, MIDDLE_HZ, beginnings, slowed};
+use super::unseen::lower;
 use super::watch::{Tell, Watch};
 use crate::effects::{Id, Place};
 use crate::fit::{Fit, Found, glance, report, sketch, used};
@@ -120,10 +121,9 @@ pub fn pairs(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_>) 
     // Where the other effect acts the first steps do not tell.
     let elsewhere: Vec<Way> = followed.iter().filter_map(|way| way.elsewhere(&looked)).collect();
     let followed: Vec<Way> = followed.into_iter().chain(elsewhere).collect();
-    let down = |way: &Way, view: &[&Signals]| on(&way.model, |model| sketch(view, model));
     let began = watch.each(&followed, |way| {
         watch.step();
-        down(way, &coarse)
+        on(&way.model, |model| sketch(&coarse, model))
     });
     // Where one leads to what noise leaves no other is led out of its dents.
     let enough = slower::enough(&coarse, floor);
@@ -138,9 +138,10 @@ pub fn pairs(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_>) 
     let without = squares(&middle, model);
     let ends = watch.each(&best_of(followed, price, FINE, 1, Way::kind), |way| {
         watch.step();
-        let way = way.at(strode(&middle, down(way, &middle), floor, without, &watch));
-        let found = sketch(data, &way.model);
-        let fit = report(data, &way.model, found).ok()?;
+        let between = lower(&middle, &way.model, [COARSE_HZ, MIDDLE_HZ], sketch);
+        let between = strode(&middle, between, floor, without, &watch).0;
+        let (model, found) = lower(data, &between, [MIDDLE_HZ, BEFORE * MIDDLE_HZ], sketch);
+        let fit = report(data, &model, found).ok()?;
         Some(Pair { coupling: way.coupling, companion: way.companion, fit })
     });
     let mut ends: Vec<Pair> = ends.into_iter().flatten().collect();

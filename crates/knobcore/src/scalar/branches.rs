@@ -3,6 +3,10 @@
 use super::{Dual, Packed, Scalar, each};
 use core::fmt::Debug;
 
+/// Derivatives below this are none. Those of what dies away behind a joint do so exponentially, down to numbers of fewer
+/// digits, in which they stay for ever and which take a processor a hundred times as long.
+const NONE_BELOW: f64 = 1e-150;
+
 /// A set of lanes.
 pub trait Lanes: Copy + Debug + PartialEq {
     /// None of them.
@@ -36,6 +40,11 @@ pub trait Branches: Scalar {
     fn positive(self) -> Self::Lanes;
     /// `yes` in these lanes, `no` in the others; derivatives follow the branch.
     fn choose(lanes: Self::Lanes, yes: Self, no: Self) -> Self;
+    /// Itself without derivatives that died away.
+    #[inline(always)]
+    fn settled(self) -> Self {
+        self
+    }
 }
 
 impl Lanes for bool {
@@ -102,6 +111,10 @@ impl<const L: usize> Branches for Dual<f64, L> {
     #[inline(always)]
     fn choose(lanes: bool, yes: Self, no: Self) -> Self {
         if lanes { yes } else { no }
+    }
+    #[inline(always)]
+    fn settled(self) -> Self {
+        Self { v: self.v, d: each(0.0, |i| if self.d[i].abs() < NONE_BELOW { 0.0 } else { self.d[i] }) }
     }
 }
 
