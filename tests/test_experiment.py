@@ -190,6 +190,7 @@ def test_a_parameter_is_known_better_after_the_motion_made_for_it(weak: kc.Learn
     designed = kc.next_experiment(weak, sharpen="inertia.M", search_s=1.0)
     (one,) = designed.sharpened
     assert one.after < one.after_standard < one.before
+    assert designed.plot().axes[-1].get_xlabel() == "standard error of inertia.M (N m s^2/rad)"
     second = kc.simulate(weak.model, designed.track, seed=9)
     both = kc.fit([weak.captures[0], second], weak.model)
     assert both.params["inertia.M"].se == pytest.approx(one.after, rel=0.3)
