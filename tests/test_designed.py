@@ -45,6 +45,14 @@ def test_an_experiment_says_what_it_tells_and_what_it_would_take():
     assert "tells base and offset apart: D is 10.7 at most" in short.headline
     wider = replace(short, change=Change("omega_rad_s", 12.0, 20.0))
     assert wider.headline.endswith("With omega_rad_s = 12 it would be 20.")
+    (worst,) = (one for one in short.expected if one.d < TOLD)
+    usual = tuple(one._replace(standard_d=38.5) if one is worst else one for one in short.expected)
+    missed = replace(short, expected=usual).headline
+    assert "No runnable motion" not in missed, "a standard one is one"
+    assert (
+        "does not tell base and offset apart, D is 10.7; a standard one as large as the limits would"
+        in missed
+    )
     assert both.rows() == [
         ("base or stribeck", "30", "0.31 %", "15"),
         ("base or offset", "10.8", "5 %", "5.4"),

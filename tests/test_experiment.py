@@ -88,6 +88,13 @@ def test_a_file_that_is_no_motion_is_refused_in_one_line(tmp_path: Path, text: s
     assert said in str(refusal.value) and "\n" not in str(refusal.value)
 
 
+def test_who_stops_after_the_first_few_motions_has_seen_every_kind() -> None:
+    kinds = [tuple(piece.kind for piece in pieces) for pieces in bank()]
+    first = kinds[: len(set(kinds)) - 2]
+    assert {one for one in kinds if len(one) == 1} < set(first) and any(len(one) == 2 for one in first)
+    assert len({repr(pieces) for pieces in bank()}) == len(kinds)
+
+
 def test_five_and_one_of_a_hundred_are_wrong_where_d_is_so_large() -> None:
     assert wrong_choice(0.0) == 0.5
     assert wrong_choice(10.8) == pytest.approx(0.05, rel=0.01)
@@ -183,6 +190,7 @@ def test_a_parameter_is_known_better_after_the_motion_made_for_it(weak: kc.Learn
     designed = kc.next_experiment(weak, sharpen="inertia.M", search_s=1.0)
     (one,) = designed.sharpened
     assert one.after < one.after_standard < one.before
+    assert designed.plot().axes[-1].get_xlabel() == "standard error of inertia.M (N m s^2/rad)"
     second = kc.simulate(weak.model, designed.track, seed=9)
     both = kc.fit([weak.captures[0], second], weak.model)
     assert both.params["inertia.M"].se == pytest.approx(one.after, rel=0.3)
@@ -223,6 +231,16 @@ def test_the_command_prints_the_document_and_writes_the_motion(
     assert again["capture"]["samples"] == len(theta)
 
 
+def test_a_parameter_that_there_is_none_of_is_said_before_anything_is_learned(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    capture = tmp_path / "c.npz"
+    knobcam("simulate", "knob3", "--duration", "1", "-o", capture)
+    monkeypatch.setattr(sys.modules["knobcam.learn"], "learn", None)
+    for name in ("spring.k", "stribeck.speed", "inertia"):
+        refused(knobcam("next", capture, "--sharpen", name), "is no parameter")
+
+
 @pytest.mark.parametrize(
     ("words", "limits", "said"),
     [
@@ -231,6 +249,9 @@ def test_the_command_prints_the_document_and_writes_the_motion(
         (("--rivals", "stribeck,"), "", "between commas"),
         (("--rivals", "detent,base"), "", "part of the base model"),
         (("--rivals", "base,stribeck", "--sharpen", "inertia.M"), "", "leave one out"),
+        (("--sharpen", "spring.k"), "", "sharpen='spring.k': is no parameter; write one as inertia.M"),
+        (("--sharpen", "stribeck.v"), "", "is no parameter of stribeck; it has stribeck.rise, stribeck.vs"),
+        (("--sharpen", "stribeck.vs"), "", "sharpen='stribeck.vs': is no parameter that was fitted"),
         ((), "torque = 1.0", "is no limit"),
         ((), "torque_Nm = nan", "give a number above 0"),
         ((), "duration_s = 600.0\nsample_rate_hz = 1e6", "600 s at 1e+06 Hz are 6e+08 samples"),

@@ -130,7 +130,33 @@ def test_a_rival_that_gives_way_far_from_where_it_was_leaves_what_a_refit_leaves
         assert came > TOLD and told[right, wrong] == pytest.approx(came, rel=0.15)
     # Where drag is right its own line is good; of a Stribeck law at far higher speeds it says nothing.
     assert max(line[0, 1] / told[0, 1], line[1, 0] / told[1, 0]) > 10.0
-    assert (asks.refitted(track, lambda: True).d == line).all(), "there is no time for a refit"
+    assert (asks.refitted(track, lambda _: True).d == line).all(), "there is no time for a refit"
+
+
+def test_of_refits_those_come_first_that_are_told_least_and_none_begins_that_has_not_its_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    line = np.array([[0.0, 900.0, 20.0], [40.0, 0.0, 300.0], [3.0, 70.0, 0.0]])
+    now, asked, took = [0.0], [], 2.0
+
+    def left_by(asks: Telling, fit: Any, made: float) -> float:
+        asked.append(float(line[int(made), fit.at]))
+        now[0] += took
+        return 1.0
+
+    model = [SimpleNamespace(torque=lambda still, filtered, at=at: at) for at in range(3)]
+    fits = [SimpleNamespace(at=at, core=SimpleNamespace(model=model[at])) for at in range(3)]
+    asks = Telling(tuple(Rival((str(fit.at),), cast("Any", fit)) for fit in fits))
+    monkeypatch.setattr(telling, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    monkeypatch.setattr(Telling, "evidence", lambda *_: Told(line.copy(), np.zeros(3)))
+    monkeypatch.setattr(Telling, "signals", lambda _, track, torque=None: torque)
+    monkeypatch.setattr(Telling, "_left_by", left_by)
+    asks.refitted(cast("Any", None))
+    assert asked == [20.0, 40.0, 70.0, 300.0, 900.0], "what is not told anyhow is not refitted"
+    now[0], asked[:] = 0.0, []
+    told = asks.refitted(cast("Any", None), lambda more: now[0] + more > 5.0)
+    assert asked == [20.0, 40.0], "a third would end after 6 s"
+    assert told.d[0, 2] == told.d[1, 0] == 1.0 and told.d[2, 1] == 70.0
 
 
 def test_of_rivals_that_are_asked_for_the_one_that_cannot_be_fitted_is_named(

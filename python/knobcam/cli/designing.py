@@ -57,12 +57,15 @@ def run_next(args: Namespace) -> Answer:
     from ..learn.contenders import check_rivals
     from ..learn.designing import next_experiment
     from ..learn.limits import Limits
+    from ..learn.sharpening import check_sharpen
 
     # What is wrong with the call is said before the minutes that learning may take.
     if args.limits is not None:
         Limits.load(args.limits, Limits.furthest())
     captures = arguments.read_all(args)
     check_rivals(rivals, captures[0].coordinate)
+    if args.sharpen is not None:
+        check_sharpen(args.sharpen, captures[0].coordinate)
     with about(*args.captures):
         story = learn(captures, prepare=args.prepare, progress=status, **options)
     designed = next_experiment(

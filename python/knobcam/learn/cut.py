@@ -74,7 +74,7 @@ class Deadline:
         return Cut(why, time.monotonic() - self._start, tuple(self.weighing))
 
 
-def after(seconds: float) -> Callable[[], bool]:
-    """Return what says whether so much time has gone by since now."""
+def after(seconds: float) -> Callable[..., bool]:
+    """Return what says whether so much time has gone by since now, or will have in some seconds more."""
     until = time.monotonic() + seconds
-    return lambda: time.monotonic() > until
+    return lambda more=0.0: time.monotonic() + more > until

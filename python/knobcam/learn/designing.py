@@ -23,8 +23,9 @@ from .experiment import Change, Expected, Experiment, NoMotion, Sharpened
 from .limits import Limits
 from .motion_space import Piece, bank, changed, plan, standard
 from .ranked import Rated, Scored, best_of
+from .sharpening import to_sharpen
 from .showing_more import along, longest_s, show_more
-from .telling import ENOUGH, TOLD, Rival, Telling, Told, good, to_sharpen
+from .telling import ENOUGH, TOLD, Rival, Telling, Told, good
 
 if TYPE_CHECKING:
     from ..capture.motion_plan import MotionPlan
@@ -115,8 +116,7 @@ def design(
     if stuck and len(rest) < 2:
         raise search.none()
     search = replace(search, telling=Telling(rest, seed)) if stuck else search
-    designed = replace(search.best(search_s, seed), left_out=stuck)
-    return replace(designed, took_s=time.monotonic() - begun)
+    return replace(search.best(search_s, seed), left_out=stuck, took_s=time.monotonic() - begun)
 
 
 @dataclass(frozen=True, eq=False)

@@ -138,10 +138,17 @@ class Experiment(showing.Tabled):
         if self.sharpened or self.separable:
             return None
         worst = min(self.expected, key=lambda one: one.d)
+        if worst.standard_d >= TOLD:
+            cut = (
+                "The motion that was found does not tell {names} apart, D is {d:.3g}; a standard one as "
+                "large as the limits would, D is {standard:.3g}: the search ended too soon. Try again on a "
+                "machine with less to do, or with fewer rivals."
+            )
+            return said(cut, names=self._names(worst), d=worst.d, standard=worst.standard_d)
         return said(
             "No runnable motion within these limits tells {names} apart: D is {d:.3g} at most{changed}",
             names=self._names(worst),
-            d=worst.d,
+            d=max(worst.d, worst.standard_d),
             changed=self._changed(),
         )
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import zip_longest
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -80,17 +81,18 @@ def standard(name: str, limits: Limits, rate_hz: float, eased: float = 1.0) -> M
 
 
 def bank() -> list[tuple[Piece, ...]]:
-    """Return motions of every kind to begin with."""
-    grid = [
-        Piece(kind, (a, b, 0.5, c, 0.3), 1.0)
+    """Return motions of every kind to begin with, of each kind one in turn: who stops early has seen all."""
+    kinds: list[list[tuple[Piece, ...]]] = [
+        [
+            (Piece(kind, (a, b, 0.5, c, 0.3), 1.0),)
+            for a in ((0.2, 0.8) if kind == "loops" else (0.2, 0.8, 1.0))
+            for b, c in _PAIRS[kind]
+        ]
         for kind in _KINDS
-        for a in ((0.2, 0.8) if kind == "loops" else (0.2, 0.8, 1.0))
-        for b, c in _PAIRS[kind]
     ]
-    alone: list[tuple[Piece, ...]] = [(piece,) for piece in grid]
     slow = Piece("loops", (0.3, 0.5, 0.5, 0.5, 0.3), 0.5)
     both = [(slow, Piece(kind, (0.9, 0.9, 0.5, 0.9, 0.3), 0.5)) for kind in ("waves", "passes", "speeds")]
-    return alone + both
+    return [one for turn in zip_longest(*kinds, both) for one in turn if one is not None]
 
 
 def changed(pieces: tuple[Piece, ...], rng: np.random.Generator, by: float) -> tuple[Piece, ...]:

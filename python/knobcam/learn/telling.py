@@ -10,6 +10,7 @@ Phi(-sqrt(D)/2). Of a pair that captures leave tied D says how seldom it is with
 from __future__ import annotations
 
 import math
+import time
 from dataclasses import dataclass
 from functools import cached_property
 from statistics import NormalDist
@@ -232,20 +233,26 @@ class Telling:
                 dearer[other] = self._dearer(self.rivals[other], errors, counted)
         return Told(told, dearer)
 
-    def refitted(self, track: MotionTrack, over: Callable[[], bool] = lambda: False) -> Told:
+    def refitted(self, track: MotionTrack, over: Callable[..., bool] = lambda more: False) -> Told:
         """Return what a motion tells where each rival is refitted to it and to the captures together.
 
         What gives way far from where it was fitted leaves less than the straight line from there says: a
         joint that becomes stiff, a law of friction that becomes another. A pair that does not get its turn
-        before the time is `over`, or that is not told anyhow, has what the line says.
+        before the time is `over`, or that is not told anyhow, has what the line says. Those that are told
+        least go first, as they decide; none begins that takes as long as the longest before and has not that
+        long.
         """
         told = self.evidence(track)
         still = self.signals(track)
-        for truth, other in zip(*np.nonzero(told.d >= TOLD), strict=True):
-            if over():
+        longest = 0.0
+        pairs = sorted(zip(*np.nonzero(told.d >= TOLD), strict=True), key=lambda pair: float(told.d[pair]))
+        for truth, other in pairs:
+            begun = time.monotonic()
+            if over(longest):
                 break
             torque = self.rivals[truth].fit.core.model.torque(still, filtered=False)
             told.d[truth, other] = self._left_by(self.rivals[other].fit, self.signals(track, torque))
+            longest = max(longest, time.monotonic() - begun)
         return told
 
     def _left_by(self, fit: Fit, made: _core.Signals) -> float:
@@ -346,21 +353,6 @@ class Telling:
         core = self.rivals[0].fit.core
         _, errors = core.expected(self.signals(track), self._white(track, rate_hz))
         return dict(zip(core.free, errors.tolist(), strict=True))
-
-
-def to_sharpen(fit: Fit, asked: str | None) -> str:
-    """Return the parameter that is to be known better: the one that is asked for, or the widest.
-
-    Raises InputError for one that was not fitted.
-    """
-    free, params, phases = fit.core.free, fit.params, fit.model.phases
-    if asked is not None:
-        if asked not in free:
-            known = ", ".join(free)
-            raise InputError(f"sharpen={asked!r}: is no parameter that was fitted; known are {known}")
-        return asked
-    scale = {name: 1.0 if name in phases else max(abs(params[name].value), 1e-300) for name in free}
-    return max(free, key=lambda name: params[name].se / scale[name])
 
 
 def good(pairs: Sequence[float]) -> float:

@@ -20,6 +20,12 @@ if TYPE_CHECKING:
     from ..base.arrays import BoolArray, FloatArray
 
 
+_FARTHEST = 1e3
+"""Times the torque on a rigid shaft beyond which a knob behind a joint has run away: no resonance does."""
+_FINER = 2, 4, 8, 16, 32, 64
+_MOST_SAMPLES = 400_000  # of a motion that is tried at finer steps
+
+
 class SensorNoise(NamedTuple):
     """What the sensors add: standard deviations, resolutions and the torque limit, SI; 0 for none."""
 
@@ -76,17 +82,17 @@ def simulate(
     paper: its torque sensor ends at 180 mN m), `paper` (Equation 6), `none`, or a SensorNoise. The same seed
     gives the same capture. With the motion `push` a hand pushes the knob through a spring, and it sticks and
     slips (`karnopp`).
+
+    Raises InputError for a knob behind a joint that runs away: by what drives it, or in steps too long.
     """
     _known(noise)
     if seed < 0:
         raise InputError(f"seed={seed}: give a whole number from 0")
     if not isinstance(model, Model):
         model = Model.load(model)
-    if motion == "push":
-        track, tau = _pushed(model, duration_s, rate_hz)
-    else:
-        track = make_motion(motion, duration_s, rate_hz) if isinstance(motion, str) else checked_track(motion)
-        tau = _torque(model, track)
+    track, tau = _made(model, motion, duration_s, rate_hz)
+    if model.joint is not None and (since := _runs_away(model, track, tau)) is not None:
+        raise InputError(_no_motion(model, motion, float(track.t[-1]), track.rate_hz, since))
     n = len(track.t)
     rig = sensors(noise, float(np.max(np.abs(tau))))
     rng = np.random.default_rng(seed)
@@ -153,6 +159,47 @@ def exact(
     torque = np.zeros(n) if torque is None else torque
     counts = ~gaps if counts is None else counts
     return _core.prepare(coordinate, track.rate_hz, *track, torque, gaps, counts, "exact", options or {})
+
+
+def _made(
+    model: Model, motion: str | MotionTrack, duration_s: float, rate_hz: float
+) -> tuple[MotionTrack, FloatArray]:
+    """Return a motion and the torque that makes it, N m."""
+    if motion == "push":
+        return _pushed(model, duration_s, rate_hz)
+    track = make_motion(motion, duration_s, rate_hz) if isinstance(motion, str) else checked_track(motion)
+    return track, _torque(model, track)
+
+
+def _runs_away(model: Model, track: MotionTrack, tau: FloatArray) -> float | None:
+    """Return when the knob behind a joint has run away, s: by far more torque than on a rigid shaft."""
+    rigid = Model(model.core.only([one for one in model.effects if one != model.joint]))
+    lost = ~np.isfinite(track.theta)
+    if not lost.any():
+        most = _FARTHEST * float(np.max(np.abs(_torque(rigid, track))))
+        lost = ~(np.abs(tau) <= most) if math.isfinite(most) else ~np.isfinite(tau)
+    return float(track.t[np.argmax(lost)]) if lost.any() else None
+
+
+def _no_motion(
+    model: Model, motion: str | MotionTrack, duration_s: float, rate_hz: float, since: float
+) -> str:
+    """Return what is said of a knob that has run away: at which rate it does not, where that is known."""
+    joint = model.joint
+    for finer in _FINER:
+        # What is pushed goes in short steps at any rate.
+        known = isinstance(motion, str) and motion != "push"
+        if not known or finer * rate_hz * duration_s > _MOST_SAMPLES:
+            break
+        if _runs_away(model, *_made(model, motion, duration_s, finer * rate_hz)) is None:
+            return (
+                f"model: the knob behind its {joint} runs away by {since:.3g} s, as steps at {rate_hz:.6g} "
+                f"Hz are too long for what brakes it; give a rate of {finer * rate_hz:.6g} Hz or more"
+            )
+    return (
+        f"model: the knob behind its {joint} runs away by {since:.3g} s; give a model whose friction opposes "
+        f"motion, a heavier knob or a stiffer joint, or far more samples a second than {rate_hz:.6g}"
+    )
 
 
 def _torque(model: Model, track: MotionTrack) -> FloatArray:

@@ -82,4 +82,5 @@ def _sharpened(axis: Axes, experiment: Experiment) -> None:
     names = ["now", "after the best standard motion", "after this motion"]
     axis.barh(names, [one.before, one.after_standard, one.after], color=[GREY, PALE, BLUE])
     axis.invert_yaxis()
-    axis.set_xlabel(f"standard error of {one.param}")
+    unit = experiment.rivals[0].fit.params[one.param].unit
+    axis.set_xlabel(f"standard error of {one.param} ({unit})")
