@@ -253,13 +253,6 @@ mod tests {
     use super::super::tests::recorded::{knob, recorded};
     use super::*;
     use crate::floor::Floor;
-    use crate::param::Axis;
-
-    fn joined(id: Id, values: &[(&str, f64)]) -> Model {
-        let mut model = Model::equation_1(Axis::Rotary, false).with(id).unwrap();
-        values.iter().for_each(|(name, value)| model.set(name, *value).unwrap());
-        model
-    }
 
     #[test]
     fn where_nothing_is_left_but_noise_nobody_strides_on() {
@@ -279,7 +272,7 @@ mod tests {
     fn a_gap_that_explains_hardly_more_than_compliance_goes_on_from_there_and_one_that_does_goes_on_by_itself()
      {
         let end = |(of, id, cost): (usize, Id, f64)| {
-            let model = joined(id, &[]);
+            let model = knob(&[id], &[]);
             (of, (model.clone(), Found { cost, ..glance(&[], &model) }))
         };
         for (gap, shut) in [(1.001, true), (0.999, true), (0.99, false)] {
@@ -291,7 +284,7 @@ mod tests {
 
     #[test]
     fn each_way_is_given_the_best_of_its_own_ends_and_none_where_it_has_none() {
-        let model = joined(Id::Compliance, &[]);
+        let model = knob(&[Id::Compliance], &[]);
         let end = |(of, cost): (usize, f64)| (of, (model.clone(), Found { cost, ..glance(&[], &model) }));
         let mut ways: Vec<Ways> =
             (0..3).map(|_| Ways { id: Id::Compliance, starts: Vec::new(), end: None }).collect();

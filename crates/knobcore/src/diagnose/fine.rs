@@ -73,21 +73,15 @@ fn crossing(model: &Model, from: &Model) -> Option<Model> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::recorded::knob;
     use super::*;
     use crate::effects::Id;
-    use crate::param::Axis;
-
-    fn joined(id: Id, values: &[(&str, f64)]) -> Model {
-        let mut model = Model::equation_1(Axis::Rotary, false).with(id).unwrap();
-        values.iter().for_each(|(name, value)| model.set(name, *value).unwrap());
-        model
-    }
 
     #[test]
     fn from_the_best_end_of_all_those_joints_go_on_that_ended_worse() {
         let end = |(id, cost, k): (Id, f64, f64)| {
             let name = format!("{}.k", id.info().id);
-            let model = joined(id, &[(&name, k)]);
+            let model = knob(&[id], &[(&name, k)]);
             let found = glance(&[], &model);
             (model, Found { cost, ..found })
         };

@@ -27,21 +27,15 @@ pub fn joined_as(model: &Model, other: &Model) -> Model {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::recorded::knob;
     use super::*;
-    use crate::param::Axis;
-
-    fn joined(id: Id, values: &[(&str, f64)]) -> Model {
-        let mut model = Model::equation_1(Axis::Rotary, false).with(id).unwrap();
-        values.iter().for_each(|(name, value)| model.set(name, *value).unwrap());
-        model
-    }
 
     #[test]
     fn a_gap_that_closed_is_a_start_of_compliance_with_its_stiffness_and_share() {
         let closed =
             [("backlash.gap", 0.0), ("backlash.k", 45.0), ("backlash.d", 1e-3), ("backlash.share", 0.6)];
-        let gap = joined(Id::Backlash, &[&closed[..], &[("inertia.M", 5e-5)]].concat());
-        let soft = joined_as(&joined(Id::Compliance, &[("compliance.k", 7.0), ("inertia.M", 1e-4)]), &gap);
+        let gap = knob(&[Id::Backlash], &[&closed[..], &[("inertia.M", 5e-5)]].concat());
+        let soft = joined_as(&knob(&[Id::Compliance], &[("compliance.k", 7.0), ("inertia.M", 1e-4)]), &gap);
         let value = |name: &str| soft.slots()[soft.index(name).unwrap()].value;
         let names = ["compliance.k", "compliance.d", "compliance.share", "inertia.M"];
         assert_eq!(names.map(value), [45.0, 1e-3, 0.6, 5e-5]);
