@@ -57,7 +57,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 def pytest_collection_finish() -> None:
-    """What is loaded by now stays; who collects garbage leaves it out."""
+    """What is loaded by now stays; who collects garbage, as statsmodels does at each call, leaves it out."""
     gc.freeze()
 
 

@@ -25,9 +25,8 @@ def test_a_motion_shows_more_of_what_has_no_name_and_its_recording_says_what_is_
 
     whole = adding.Search
     monkeypatch.setattr(adding, "Search", search)
-    monkeypatch.setattr(
-        designing, "_CHANGE_S", 0.5
-    )  # for a limit that would do; one is too narrow in any case
+    # For a limit that would do; one is too narrow in any case.
+    monkeypatch.setattr(designing, "_CHANGE_S", 0.5)
     bench = Bench()
     with served(bench) as client:
         bench.session.take(braked_knob(0.016, 1.3), "braked")

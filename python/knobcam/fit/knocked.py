@@ -11,7 +11,6 @@ from ..base.said import OfEffect, Said, said
 from .rule import RULE
 
 if TYPE_CHECKING:
-    from ..base.arrays import FloatArray
     from ..capture.prepare import Prepared
     from .diagnose import Candidate
     from .fitting import Fit
@@ -33,11 +32,14 @@ def of_knocks_alone(candidate: Candidate, before: Fit) -> list[Said]:
     if joint is None:
         return []
     taken, excess = np.zeros(2), 0.0
-    for one, quiet in zip(before.prepared, between_knocks(before), strict=True):
-        left, then = (np.square(_residual(fit, one)) for fit in (before, candidate.fit))
-        knock = one.used & ~quiet.used
-        taken += [np.sum((left - then)[rows]) for rows in (quiet.used, knock)]
-        excess += np.sum(left[knock]) - np.sum(knock) * before.noise_floor**2
+    parts = zip(
+        before.prepared, between_knocks(before), before.residuals, candidate.fit.residuals, strict=True
+    )
+    for one, quiet, left, then in parts:
+        knock = one.rows[one.used & ~quiet.used]
+        gone = np.square(left) - np.square(then)
+        taken += [np.sum(gone[rows]) for rows in (quiet.rows[quiet.used], knock)]
+        excess += np.sum(np.square(left[knock])) - len(knock) * before.noise_floor**2
     if not 0.0 < taken[1] < RULE.mainly * excess:
         return []
     if taken[0] / np.sum(taken) * candidate.gain > RULE.price * candidate.count:
@@ -48,8 +50,3 @@ def of_knocks_alone(candidate: Candidate, before: Fit) -> list[Said]:
             joint=OfEffect(joint),
         )
     ]
-
-
-def _residual(fit: Fit, one: Prepared) -> FloatArray:
-    residual: FloatArray = one.tau - fit.core.model.torque(one.core)
-    return residual

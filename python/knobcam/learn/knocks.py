@@ -47,10 +47,9 @@ def knocking(ladder: Sequence[LearningStep], last: Diagnosis) -> Knocks | None:
             return None  # what is counted of it changes as effects come in
         floor = gapped.noise_floor
         squares, rows, parts = np.zeros(2), np.zeros(2), between_knocks(gapped)
-        for one, part in zip(gapped.prepared, parts, strict=True):
-            rest = np.square(one.tau - gapped.core.model.torque(one.core))
+        for one, part, rest in zip(gapped.prepared, parts, gapped.residuals, strict=True):
             for at, counted in enumerate((one.used & ~part.used, one.used)):
-                squares[at] += np.sum(rest[counted])
+                squares[at] += np.sum(np.square(rest[one.rows[counted]]))
                 rows[at] += np.sum(counted)
         inside, every = squares - rows * floor**2
         if 0 < rows[0] <= RULE.knocks * rows[1] and inside >= RULE.knocking * every > 0.0:

@@ -284,6 +284,18 @@ mod tests {
         model
     }
 
+    /// A motion to and fro: t, theta, omega, alpha, forward of so many samples.
+    fn swung(samples: u32, dt: f64, angle: f64, w: f64) -> [Vec<f64>; 5] {
+        let over = |of: &dyn Fn(f64) -> f64| (0..samples).map(|i| of(f64::from(i) * dt)).collect();
+        [
+            over(&|t| t),
+            over(&|t| angle * (w * t).sin()),
+            over(&|t| angle * w * (w * t).cos()),
+            over(&|t| -angle * w * w * (w * t).sin()),
+            over(&|t| f64::from(u8::from((w * t).cos() > 0.0))),
+        ]
+    }
+
     /// Parameters of ordinary sizes, other ones in each set.
     fn sets(model: &Model, count: usize) -> Vec<Vec<f64>> {
         let value = |set: usize| {
@@ -304,14 +316,7 @@ mod tests {
         for (name, value) in base.into_iter().chain(joint) {
             model.set(name, value).unwrap();
         }
-        let over = |of: &dyn Fn(f64) -> f64| (0..5000).map(|i| of(f64::from(i) * 2e-4)).collect::<Vec<f64>>();
-        let columns = [
-            over(&|t| t),
-            over(&|t| (8.0 * t).sin()),
-            over(&|t| 8.0 * (8.0 * t).cos()),
-            over(&|t| -64.0 * (8.0 * t).sin()),
-            over(&|t| f64::from(u8::from((8.0 * t).cos() > 0.0))),
-        ];
+        let columns = swung(5000, 2e-4, 1.0, 8.0);
         let motion = columns.each_ref().map(Vec::as_slice);
         let all: Vec<Option<usize>> = (0..model.slots().len()).map(Some).collect();
         let mut torque = vec![0.0; 5000];
@@ -326,15 +331,7 @@ mod tests {
 
     #[test]
     fn knobs_that_are_followed_side_by_side_go_where_each_goes_alone() {
-        let over = |of: &dyn Fn(f64) -> f64| (0..1500).map(|i| of(f64::from(i) * DT)).collect::<Vec<f64>>();
-        let swing = 9.0;
-        let columns = [
-            over(&|t| t),
-            over(&|t| 0.3 * (swing * t).sin()),
-            over(&|t| 0.3 * swing * (swing * t).cos()),
-            over(&|t| -0.3 * swing * swing * (swing * t).sin()),
-            over(&|t| f64::from(u8::from((swing * t).cos() > 0.0))),
-        ];
+        let columns = swung(1500, DT, 0.3, 9.0);
         let motion = columns.each_ref().map(Vec::as_slice);
         let others = Id::BUILT_IN.iter().filter(|id| id.info().place != Place::Coupling);
         for other in others.map(|id| Some(*id)).chain([None]) {
