@@ -68,10 +68,12 @@ def test_laws_that_came_in_may_be_off_by_a_share_of_what_they_explain():
     third = Known(2.0, before=second)
     assert verdict.explained(third) == 21.0 and verdict.explained(first) == 0.0
     assert verdict.off_by_law(third) == pytest.approx(21.0 * RULE.law**2)
-    # Where what follows a reversal is among them by more.
+    # Where what a knock or a reversal leaves behind is among them by more; a soft shaft leaves nothing.
+    soft = replace(third, effects=(*BASE, "compliance"))
+    assert verdict.off_by_law(soft) == verdict.off_by_law(third)
     for late in ("backlash", "presliding"):
         gap = replace(third, effects=(*BASE, late))
-        assert verdict.off_by_law(gap) == pytest.approx(21.0 * RULE.law_of_joint**2)
+        assert verdict.off_by_law(gap) == pytest.approx(21.0 * RULE.law_of_play**2)
     for times, within in ((0.99, True), (1.01, False)):
         # What is left above the floor, against what the laws may be off by.
         before = Known(math.sqrt(1.0 + 4e-4 / RULE.law**2))

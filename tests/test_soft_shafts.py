@@ -64,3 +64,21 @@ def test_a_track_and_a_push_that_cannot_be_followed_are_refused_too() -> None:
         kc.simulate(model, make_motion("hand", 1.0, 500.0))
     with pytest.raises(kc.InputError, match="runs away"):
         kc.simulate(behind("knob3", 1e4, 100.0, 1e-9, 0.7), "push", duration_s=1.0, rate_hz=500.0)
+
+
+@pytest.mark.parametrize("inertia", [5e-5, 2e-4])
+def test_a_soft_shaft_that_turns_already_when_a_log_begins_is_all_that_is_missing(inertia: float) -> None:
+    """No log says how far a shaft is wound up when it begins; what rings on from there is no effect."""
+    model = kc.Model.of(("inertia", "coulomb", "viscous", "compliance"), "rotary")
+    values = {"inertia.M": inertia, "coulomb.neg": 0.02, "coulomb.pos": 0.022, "viscous.neg": 4e-4}
+    values |= {"viscous.pos": 5e-4, "compliance.k": 60.0, "compliance.d": 2e-3, "compliance.share": 0.8}
+    for name, value in values.items():
+        model = model.with_value(name, value)
+    whole = kc.simulate(model, "multisine", duration_s=5.0, seed=3)
+    log = kc.Capture.from_arrays(**{name: column[5000:] for name, column in whole.columns.items()})
+    story = kc.learn(log)
+    assert (story.verdict, story.found) == ("missing", ("compliance",))
+    assert story.fit.rmse < 1.02 * story.fit.noise_floor
+    again = kc.fit(log, model)
+    first = again.residuals[0][again.prepared[0].used][:500]
+    assert np.sqrt(np.mean(np.square(first))) < 1.3 * again.noise_floor

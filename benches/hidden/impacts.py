@@ -97,7 +97,10 @@ def _fly(t, theta, omega, alpha, p, gap, start, substeps, sliding, slips, memory
                 closing = (speed - v) * wall
                 if closing > 0.0:
                     kept = gap.restitution * closing if closing > SETTLED else 0.0
-                    flight.knocked[i] += wall * inertia * (closing + kept)
+                    # Told by the samples on either side, so that it begins when it does.
+                    knock = wall * inertia * (closing + kept)
+                    flight.knocked[i] += (1.0 - w) * knock
+                    flight.knocked[i + 1] += w * knock
                     v = speed + wall * kept
                     x = shaft - wall * gap.gap
                     if kept == 0.0:

@@ -90,11 +90,11 @@ pub fn raw(
     out: &mut Columns,
 ) {
     out.clear(1 + seeds.columns, range.len());
-    let motion = signals.motion_columns(range);
+    let (motion, follow) = (signals.motion_columns(range.clone()), signals.follow(range.start));
     let (torque, slopes) = out.split();
     let mut over = Response { motion, dt: 1.0 / signals.rate_hz, torque, slopes };
     let (p, columns) = model.in_run(&signals.run, p, &seeds.column);
-    chain::along(model, &p, &columns, signals.substeps, &mut over);
+    chain::along(model, &p, &columns, follow, &mut over);
 }
 
 /// Model torque with several sets of parameters over a chunk through the measurement filter, a column each.
@@ -103,7 +103,8 @@ pub fn several(model: &Model, sets: &[Vec<f64>], signals: &Signals, chunk: &Chun
     out.iter_mut().for_each(|column| column.resize(chunk.whole.len(), 0.0));
     let motion = signals.motion_columns(chunk.whole.clone());
     let sets: Vec<Vec<f64>> = sets.iter().map(|p| model.of_run(&signals.run, p).into_owned()).collect();
-    chain::several(model, &sets, signals.substeps, motion, 1.0 / signals.rate_hz, out);
+    let follow = signals.follow(chunk.whole.start);
+    chain::several(model, &sets, follow, motion, 1.0 / signals.rate_hz, out);
     let mut columns: Vec<&mut [f64]> = out.iter_mut().map(Vec::as_mut_slice).collect();
     signals.measure_over(&chunk.whole, &mut columns);
 }

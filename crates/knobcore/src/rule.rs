@@ -81,8 +81,8 @@ verdict {
     share: 0.15, "share of the excess", "judgement: a line of the mains is drawn by many effects, by each a little; causes of a real axis, whose floor repeats tell, take a sixth each";
     /// What laws that were added may be off by, of what they took off: what is left at the floor and is less than that is no effect more.
     law: 0.025, "share of what was added", "judgement: as far as a textbook's law is that of a real knob";
-    /// The same where what follows a reversal is among them, a joint or friction that builds up: it depends on all that came before.
-    law_of_joint: 0.05, "share of what was added", "of one knob with a gap another simulator's torque differs by 0.08 of it, most of that in a few late knocks; of 21 with friction that builds up by up to 0.03";
+    /// The same where a play is among them, or friction that builds up: what follows a knock or a reversal depends on all that came before.
+    law_of_play: 0.05, "share of what was added", "of one knob with a gap another simulator's torque differs by 0.08 of it, most of that in a few late knocks; of 21 with friction that builds up by up to 0.03";
     /// What the cause must have taken off where something else stays unexplained, to be named beside that.
     mainly: 0.5, "share of the excess", "judgement: the better part";
     /// What a pair of a coupling and another effect may leave of what the search one by one left.

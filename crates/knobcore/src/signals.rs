@@ -1,5 +1,6 @@
 //! Prepared signals: what a fit sees of one capture.
 
+use crate::chain::Follow;
 use crate::filter::ZeroPhase;
 use crate::isa;
 use crate::model::Run;
@@ -61,6 +62,9 @@ pub struct Signals {
     pub filter: Option<ZeroPhase>,
     /// Steps per sample of a motion that is simulated; at least one.
     pub substeps: usize,
+    /// Where a hidden knob is at the first sample of a passage, if not with the shaft: that sample, and by how much and
+    /// how fast the shaft is ahead, rad and rad/s.
+    pub begins: Vec<(usize, [f64; 2])>,
 }
 
 /// A stretch of a segment that is evaluated at once: `whole` includes what the filter needs around `core`.
@@ -145,6 +149,12 @@ impl Signals {
     /// t, theta, omega, alpha and forward over a range of samples.
     pub fn motion_columns(&self, range: Range<usize>) -> [&[f64]; 5] {
         [&self.t, &self.theta, &self.omega, &self.alpha, &self.forward].map(|x| &x[range.clone()])
+    }
+
+    /// How a hidden knob is followed from a sample on.
+    pub fn follow(&self, from: usize) -> Follow {
+        let begins = self.begins.iter().find(|(at, _)| *at == from).map_or([0.0; 2], |(_, begins)| *begins);
+        Follow { substeps: self.substeps, begins }
     }
 
     /// The motion at sample `at`; past the end, rest.

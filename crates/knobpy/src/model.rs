@@ -7,7 +7,7 @@ use knobcore::carry::carrier;
 use knobcore::chain::{self, Hand};
 use knobcore::effects::{Base, Id, Section};
 use knobcore::error::Result;
-use knobcore::fit::knocks;
+use knobcore::fit::{begun, knocks};
 use knobcore::forward::forward as forward_core;
 use knobcore::model::{Model, Role};
 use knobcore::motion::{Channel, Load, Motion};
@@ -257,6 +257,14 @@ impl PyModel {
         let knocks = knocks(&all.signals, &self.0, floor);
         let signals = (!knocks.is_empty()).then(|| all.signals.without_knocks(knocks))?;
         Some(PySignals { prepared: Prepared { signals, ..all.clone() } })
+    }
+
+    /// Signals whose knob behind a joint begins where their first torques say, beside which noise leaves `floor`, N m; None
+    /// where they say nothing new.
+    fn begun(&self, py: Python<'_>, signals: &PySignals, floor: f64) -> PyResult<Option<PySignals>> {
+        let all = &signals.prepared;
+        let found = watched(py, &self.0, || begun(&all.signals, &self.0, floor))?;
+        Ok(found.map(|signals| PySignals { prepared: Prepared { signals, ..all.clone() } }))
     }
 
     /// Torque on the motion of prepared signals, through their filter or raw; N m.

@@ -6,7 +6,7 @@ use super::limits::{Fault, Limits};
 use super::nature::Nature;
 use super::sliding::{Sliding, add_loads, at_rest, braked, plain, sliding};
 use super::state::{Sensed, State, TANK_J};
-use knobcore::chain::{Beside, Hidden, SUBSTEPS};
+use knobcore::chain::{Beside, Follow, Hidden, SUBSTEPS};
 use knobcore::effects::Id;
 use knobcore::error::{Error, Result};
 use knobcore::model::Model;
@@ -86,7 +86,7 @@ impl Renderer {
             torque_rate: limits.torque_rate.min(d.torque_rate_limit),
             ..limits
         });
-        let mut hidden = Hidden::new(model, &p, [0.0; 4], dt, SUBSTEPS);
+        let mut hidden = Hidden::new(model, &p, [0.0; 4], dt, Follow::of(SUBSTEPS));
         if let Some(hidden) = &mut hidden {
             hidden.soften(tuning.stiffest);
         }

@@ -395,4 +395,4 @@ def as_logged(
         # What is wrong may be why there is too little.
         why = (str(error), columns_at_fault(signals) or one_velocity(signals) or at_rest(signals))
         raise InputError("; ".join(filter(None, why))) from None
-    return Fit(signals, core)
+    return refit.begun(Fit(signals, core))

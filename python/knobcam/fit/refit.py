@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 
 _ROUNDING = 1e-9  # of an error
+_BEGINNINGS = 2  # rounds of where a knob begins and what its model is; more change next to nothing
 
 
 class Moved(NamedTuple):
@@ -63,11 +64,11 @@ def add(
     fit.model.with_effect(effect)  # says why not, if it does not go with the model
     fit = with_clipped(fit) if catalogued(effect, fit.model.coordinate).clips else fit
     if start:
-        return converged(started(fit, effect, start))
+        return begun(converged(started(fit, effect, start)))
     (_, core, _, _, _, note), *_ = _core.diagnose(cores(fit), fit.model.core, [effect], progress)
     if core is None:
         raise InputError(f"effect '{effect}': {note}")
-    return converged(replace(fit, core=core, before=fit))
+    return begun(converged(replace(fit, core=core, before=fit)))
 
 
 def started(fit: Fit, effect: str, start: Mapping[str, float], within: float = math.inf) -> Fit:
@@ -123,6 +124,20 @@ def on(fit: Fit, prepared: Iterable[Prepared]) -> Fit:
     """Return the fit of the same captures of which other samples count."""
     fit = replace(fit, prepared=tuple(prepared))
     return replace(fit, core=_core.refine(cores(fit), fit.core.model, True))
+
+
+def begun(fit: Fit) -> Fit:
+    """Return a fit behind a joint whose knob begins where the first torques say, which no log does.
+
+    The same where they say that it goes along with the shaft, and without a joint.
+    """
+    for _ in range(_BEGINNINGS if fit.model.joint else 0):
+        found = [fit.core.model.begun(one.core, fit.noise_floor) for one in fit.prepared]
+        if not any(found):
+            break
+        parts = zip(fit.prepared, found, strict=True)
+        fit = on(fit, (replace(one, core=core or one.core) for one, core in parts))
+    return fit
 
 
 def check(effect: str, model: Model) -> None:

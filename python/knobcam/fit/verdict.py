@@ -54,14 +54,14 @@ def explained(fit: Fit) -> float:
 
 def off_by_law(fit: Fit) -> float:
     """Return the mean squared error by which the laws that were added so far may be off, (N m)^2."""
-    return (RULE.law_of_joint if _remembers(fit) else RULE.law) ** 2 * explained(fit)
+    return (RULE.law_of_play if _knocks_or_builds_up(fit) else RULE.law) ** 2 * explained(fit)
 
 
-def _remembers(fit: Fit) -> bool:
-    """Whether a joint is among the effects, or friction that builds up: what follows a reversal."""
+def _knocks_or_builds_up(fit: Fit) -> bool:
+    """Whether a play is among the effects, or friction that builds up: what a knock or a reversal leaves behind."""
     catalogue = fit.model.catalogue()
     rows = (catalogue[one] for one in fit.model.effects)
-    return any(row.place == "coupling" or row.over == "reversal" for row in rows)
+    return any(row.section == "gap" or row.over == "reversal" for row in rows)
 
 
 def within_law(fit: Fit) -> bool:
@@ -92,7 +92,7 @@ def judged(comparison: Comparison, candidates: Collection[Candidate]) -> tuple[C
         for one, doubt in zip(several, doubts, strict=True)
     ]
     # What a law with a memory leaves may be more than noise, and is drawn by many effects.
-    law = off_by_law(fit) if at_floor(fit) or _remembers(fit) else 0.0
+    law = off_by_law(fit) if at_floor(fit) or _knocks_or_builds_up(fit) else 0.0
     told = _core.judge(comparison.judged, law, evidence)
     chosen = next((one.effect for one, (word, _) in zip(several, told, strict=True) if word in CHOSEN), "")
     known = [

@@ -10,7 +10,7 @@ from ..base.said import joined as in_words
 from ..fit.absent import absent
 from ..fit.diagnose import Candidate, Diagnosis, diagnose, worth_adding
 from ..fit.plausible import columns_at_fault
-from ..fit.refit import converged, drop, gain, with_clipped
+from ..fit.refit import begun, converged, drop, gain, with_clipped
 from ..fit.rule import RULE
 from ..fit.verdict import judged, within_law
 from ..model.effects import base_effects_shown, clipping, descriptions
@@ -127,6 +127,7 @@ class _Climb:
     def ended(self) -> Selection:
         """Let it grow to its end."""
         while True:
+            self._stands_at(begun(self.fit))
             fit, diagnosis = self.fit, self._weighed()
             if self._freed(diagnosis) or self._bent(diagnosis) or self._other_sets(diagnosis):
                 continue

@@ -14,6 +14,22 @@ use crate::scalar::Scalar;
 /// The motion of the shaft at one instant: t, theta, omega, alpha.
 pub type Instant = [f64; 4];
 
+/// How a hidden knob is followed.
+#[derive(Debug, Clone, Copy)]
+pub struct Follow {
+    /// Steps from one sample to the next.
+    pub substeps: usize,
+    /// By how much the shaft is ahead of it at the first, rad, and how fast, rad/s.
+    pub begins: [f64; 2],
+}
+
+impl Follow {
+    /// One that begins with the shaft.
+    pub fn of(substeps: usize) -> Self {
+        Self { substeps, begins: [0.0; 2] }
+    }
+}
+
 /// What functions of a user's own do to the knob: a torque, N m, and a factor on its dry friction. They are evaluated
 /// along the shaft's motion, as if the joint were not strained, for their laws take whole columns.
 #[derive(Debug, Clone, Copy)]
@@ -48,13 +64,12 @@ pub struct Hidden<T: Carried> {
 }
 
 impl<T: Carried> Hidden<T> {
-    /// A knob that begins with the shaft, at rest relative to it; none without a joint. `substeps` are the steps from
-    /// one sample to the next, `dt` seconds later: the joint needs none of them to be stable, they resolve when
-    /// contact begins and ends.
-    pub fn new(model: &Model, p: &[T], start: Instant, dt: f64, substeps: usize) -> Option<Self> {
+    /// A knob that begins so far behind the shaft; none without a joint. Samples are `dt` seconds apart. The joint needs
+    /// no steps between them to be stable, they resolve when contact begins and ends.
+    pub fn new(model: &Model, p: &[T], start: Instant, dt: f64, follow: Follow) -> Option<Self> {
         let joint = model.joint(p)?;
-        let [_, theta, omega, _] = start.map(T::of);
-        let knob = Body::at(theta, omega);
+        let Follow { substeps, begins: [ahead, faster] } = follow;
+        let knob = Body::at(T::of(start[1] - ahead), T::of(start[2] - faster));
         let stored = model.inertia().and_then(|at| p.get(at).copied()).unwrap_or(T::of(0.0));
         let shafts = (T::of(1.0) - joint.share) * stored;
         let (own, substeps) = (joint.share * stored, substeps.max(1));
@@ -230,7 +245,7 @@ mod tests {
         let shaft = |i: usize| [i as f64 * dt, speed * i as f64 * dt, speed, 0.0];
         for late in 0..10 {
             let mut state = vec![0.0; model.states()];
-            let mut hidden = Hidden::<f64>::new(&model, &p, shaft(0), dt, 4).unwrap();
+            let mut hidden = Hidden::<f64>::new(&model, &p, shaft(0), dt, Follow::of(4)).unwrap();
             let behind = -0.005 - f64::from(late) * 0.1 * speed * dt;
             hidden.put(&model, &p, &mut state, shaft(0), None, [behind, 0.0]);
             let felt: f64 =

@@ -95,6 +95,8 @@ fn thinned(signals: &Signals, every: usize) -> Signals {
     };
     let segments = rows.iter().map(segment).collect();
     let rows = rows.concat();
+    let begins =
+        signals.begins.iter().filter_map(|(at, begins)| Some((rows.binary_search(at).ok()?, *begins)));
     let kept = |column: &Vec<f64>| rows.iter().filter_map(|row| column.get(*row).copied()).collect();
     Signals {
         run: signals.run.clone(),
@@ -116,6 +118,7 @@ fn thinned(signals: &Signals, every: usize) -> Signals {
         knocks: Vec::new(),
         filter: None,
         substeps: 1,
+        begins: begins.collect(),
     }
 }
 

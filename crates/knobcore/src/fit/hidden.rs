@@ -1,5 +1,6 @@
 //! Captures along the motion of the knob that a joint hides.
 
+pub use super::begun::begun;
 use crate::chain;
 use crate::effects::{Id, Joint, Place};
 use crate::model::Model;
@@ -36,8 +37,8 @@ fn moved(signals: &Signals, model: &Model, loads: &Model) -> Signals {
     let p = model.of_run(&signals.run, &values);
     for passage in signals.passages() {
         let motion = signals.motion_columns(passage.clone());
-        let Some([theta, omega, alpha]) =
-            chain::knob(model, &p, motion, 1.0 / signals.rate_hz, signals.substeps)
+        let follow = signals.follow(passage.start);
+        let Some([theta, omega, alpha]) = chain::knob(model, &p, motion, 1.0 / signals.rate_hz, follow)
         else {
             continue;
         };
@@ -87,7 +88,8 @@ fn meetings(signals: &Signals, model: &Model, p: &[f64], joint: &Joint<f64>, rea
     let mut rows = vec![false; signals.len()];
     for passage in signals.passages() {
         let motion = signals.motion_columns(passage.clone());
-        let hidden = chain::knob(model, p, motion, 1.0 / signals.rate_hz, signals.substeps);
+        let follow = signals.follow(passage.start);
+        let hidden = chain::knob(model, p, motion, 1.0 / signals.rate_hz, follow);
         let Some([theta, ..]) = hidden else { continue };
         let mut touched = true;
         for (i, at) in passage.clone().enumerate() {

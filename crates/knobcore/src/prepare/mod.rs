@@ -288,6 +288,7 @@ fn with_motion(
         stuck,
         filter,
         substeps: SUBSTEPS,
+        begins: Vec::new(),
     };
     signals.filter_torque();
     let Moving { uncertainty, noise, strays, .. } = moving;

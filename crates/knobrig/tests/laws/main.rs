@@ -18,7 +18,7 @@ mod symmetry;
 mod units;
 mod user;
 
-use knobcore::chain::SUBSTEPS;
+use knobcore::chain::{Follow, SUBSTEPS};
 use knobcore::effects::{Id, Place, Survey};
 use knobcore::model::{Model, Role};
 use knobcore::motion::Motion;

@@ -131,7 +131,7 @@ fn the_knob_behind_a_joint_that_is_nearly_rigid_moves_as_the_shaft_does() {
     }
     let of = still.motion_columns(0..CYCLE);
     let [theta, omega, alpha] =
-        knobcore::chain::knob(&model, &model.values(), of, 1.0 / RATE_HZ, SUBSTEPS).unwrap();
+        knobcore::chain::knob(&model, &model.values(), of, 1.0 / RATE_HZ, Follow::of(SUBSTEPS)).unwrap();
     for (name, found, right) in
         [("angle", theta, of[1]), ("speed", omega, of[2]), ("acceleration", alpha, of[3])]
     {

@@ -1,7 +1,7 @@
 //! The chain on a motion that is prescribed, through a joint: the hidden knob's torque and its derivatives.
 
 use super::rigid;
-use crate::chain::hidden::{Beside, Hidden};
+use crate::chain::hidden::{Beside, Follow, Hidden};
 use crate::effects::law::{CARRIED, Carried, D, Response};
 use crate::effects::{Id, Place};
 use crate::isa;
@@ -15,10 +15,10 @@ pub(super) fn loads(
     model: &Model,
     p: &[f64],
     columns: &[Option<usize>],
-    substeps: usize,
+    follow: Follow,
     over: &mut Response<'_>,
 ) {
-    knobs(model, p, columns, substeps, over);
+    knobs(model, p, columns, follow, over);
     if !model.shafts().is_empty() {
         shafts(model, p, columns, over);
     }
@@ -28,7 +28,7 @@ pub(super) fn loads(
 pub(super) fn side_by_side(
     model: &Model,
     sets: &[Vec<f64>],
-    substeps: usize,
+    follow: Follow,
     motion: [&[f64]; 5],
     dt: f64,
     torques: &mut [Vec<f64>],
@@ -39,7 +39,7 @@ pub(super) fn side_by_side(
     let p: Vec<Wide> = (0..model.slots().len()).map(all).collect();
     let columns = vec![None; p.len()];
     let own = Own::default();
-    let behind = Behind { model, columns: &columns, own: &own, motion, dt, substeps };
+    let behind = Behind { model, columns: &columns, own: &own, motion, dt, follow };
     let out = |at: usize, tau: Wide| {
         torques.iter_mut().zip(tau.0).for_each(|(torque, tau)| torque[at] = tau);
     };
@@ -68,7 +68,7 @@ fn shafts(model: &Model, p: &[f64], columns: &[Option<usize>], over: &mut Respon
 }
 
 /// Torque and derivatives of the joint and of the shaft's own inertia. Only what moves the knob is carried along.
-fn knobs(model: &Model, p: &[f64], columns: &[Option<usize>], substeps: usize, over: &mut Response<'_>) {
+fn knobs(model: &Model, p: &[f64], columns: &[Option<usize>], follow: Follow, over: &mut Response<'_>) {
     let at_knob = |(at, column): (usize, &Option<usize>)| {
         let id = model.slots()[at].effect;
         column.filter(|_| id.info().place != Place::Sensor && !model.at_shaft(id))
@@ -78,7 +78,7 @@ fn knobs(model: &Model, p: &[f64], columns: &[Option<usize>], substeps: usize, o
     let lane = |column: &usize| carried.binary_search(column).ok();
     let lanes: Vec<Option<usize>> = seen.iter().map(|column| column.as_ref().and_then(lane)).collect();
     let own = Own::over(model, p, &lanes, over.motion);
-    let behind = Behind { model, columns: &lanes, own: &own, motion: over.motion, dt: over.dt, substeps };
+    let behind = Behind { model, columns: &lanes, own: &own, motion: over.motion, dt: over.dt, follow };
     let mut slopes = Vec::new();
     for (column, slope) in over.slopes.iter_mut().enumerate() {
         if lane(&column).is_some() {
@@ -101,20 +101,14 @@ fn knobs(model: &Model, p: &[f64], columns: &[Option<usize>], substeps: usize, o
 
 /// The motion of the hidden knob along a shaft's: angle, speed and acceleration at each sample. Functions of a user's
 /// own are left out of it. None without a joint.
-pub fn knob(
-    model: &Model,
-    p: &[f64],
-    motion: [&[f64]; 5],
-    dt: f64,
-    substeps: usize,
-) -> Option<[Vec<f64>; 3]> {
+pub fn knob(model: &Model, p: &[f64], motion: [&[f64]; 5], dt: f64, follow: Follow) -> Option<[Vec<f64>; 3]> {
     let mut state = vec![0.0; model.states()];
     let [t, theta, omega, alpha, _] = motion;
     let instant = |at: usize| [t[at], theta[at], omega[at], alpha[at]];
     if t.is_empty() {
         return None;
     }
-    let mut hidden = Hidden::<f64>::new(model, p, instant(0), dt, substeps)?;
+    let mut hidden = Hidden::<f64>::new(model, p, instant(0), dt, follow)?;
     let (mut angles, mut speeds) = (Vec::with_capacity(t.len()), Vec::with_capacity(t.len()));
     for at in 0..t.len() {
         hidden.follow(model, p, &mut state, instant(at), missed(t, at, dt), None);
@@ -149,7 +143,7 @@ struct Behind<'a> {
     /// t, theta, omega, alpha, forward of the shaft.
     motion: [&'a [f64]; 5],
     dt: f64,
-    substeps: usize,
+    follow: Follow,
 }
 
 impl Behind<'_> {
@@ -205,14 +199,14 @@ impl<T: Carried, B: Fn(usize) -> Option<Beside<T>>, F: FnMut(usize, T)> pulp::Nu
 
     #[inline(always)]
     fn call(self) {
-        let Self { of: Behind { model, motion, dt, substeps, .. }, p, beside, mut out } = self;
+        let Self { of: Behind { model, motion, dt, follow, .. }, p, beside, mut out } = self;
         let [t, theta, omega, alpha, _] = *motion;
         let instant = |at: usize| [t, theta, omega, alpha].map(|column| column[at]);
         let mut state = vec![T::of(0.0); model.states()];
         if t.is_empty() {
             return;
         }
-        let Some(mut hidden) = Hidden::new(model, p, instant(0), *dt, *substeps) else { return };
+        let Some(mut hidden) = Hidden::new(model, p, instant(0), *dt, *follow) else { return };
         for (at, alpha) in alpha.iter().enumerate() {
             let missed = missed(t, at, *dt);
             let force = hidden.follow(model, p, &mut state, instant(at), missed, beside(at));
@@ -266,7 +260,7 @@ impl Own {
 
 #[cfg(test)]
 mod tests {
-    use crate::chain;
+    use crate::chain::{self, Follow};
     use crate::effects::law::Response;
     use crate::effects::{Id, Place};
     use crate::model::Model;
@@ -322,7 +316,7 @@ mod tests {
         let mut torque = vec![0.0; 5000];
         let mut slopes = vec![torque.clone(); all.len()];
         let over = &mut Response { motion, dt: 2e-4, torque: &mut torque, slopes: &mut slopes };
-        chain::along(&model, &model.values(), &all, 2, over);
+        chain::along(&model, &model.values(), &all, Follow::of(2), over);
         // 13 of 100 were subnormal, and a pass took four times as long.
         let tiny = slopes.iter().flatten().filter(|slope| slope.is_subnormal()).count();
         assert!(tiny * 1000 < slopes.len() * 5000, "{tiny}");
@@ -340,13 +334,13 @@ mod tests {
                 // One pack, and one with lanes that are left over.
                 let sets = sets(&model, 11);
                 let mut torques = vec![vec![0.0; 1500]; sets.len()];
-                chain::several(&model, &sets, 2, motion, DT, &mut torques);
+                chain::several(&model, &sets, Follow::of(2), motion, DT, &mut torques);
                 let none = vec![None; model.slots().len()];
                 let mut moved = 0;
                 for (p, side) in sets.iter().zip(&torques) {
                     let mut alone = vec![0.0; 1500];
                     let over = &mut Response { motion, dt: DT, torque: &mut alone, slopes: &mut [] };
-                    chain::along(&model, p, &none, 2, over);
+                    chain::along(&model, p, &none, Follow::of(2), over);
                     let size = alone.iter().fold(0.0_f64, |most, tau| most.max(tau.abs()));
                     moved += usize::from(size.is_finite() && size > 0.0);
                     for (at, (side, alone)) in side.iter().zip(&alone).enumerate() {

@@ -7,6 +7,7 @@ mod rigid;
 pub use behind::knob;
 pub use block::Block;
 
+use crate::chain::Follow;
 use crate::effects::Id;
 use crate::effects::law::Response;
 use crate::model::Model;
@@ -14,9 +15,9 @@ use crate::scalar::WIDE;
 
 /// Torque on the shaft and its derivatives along a motion: coupling and loads. `columns` says which column each
 /// parameter has.
-pub fn loads(model: &Model, p: &[f64], columns: &[Option<usize>], substeps: usize, over: &mut Response<'_>) {
+pub fn loads(model: &Model, p: &[f64], columns: &[Option<usize>], follow: Follow, over: &mut Response<'_>) {
     if model.is_coupled() {
-        behind::loads(model, p, columns, substeps, over);
+        behind::loads(model, p, columns, follow, over);
     } else {
         rigid::loads(&model.parts(p, columns), over);
     }
@@ -39,7 +40,7 @@ pub fn go_together(model: &Model) -> bool {
 pub fn several(
     model: &Model,
     sets: &[Vec<f64>],
-    substeps: usize,
+    follow: Follow,
     motion: [&[f64]; 5],
     dt: f64,
     torques: &mut [Vec<f64>],
@@ -49,21 +50,21 @@ pub fn several(
     for (sets, torques) in sets.chunks(WIDE).zip(torques.chunks_mut(WIDE)) {
         let wide = together && sets.len() > 1;
         if wide {
-            behind::side_by_side(model, sets, substeps, motion, dt, torques);
+            behind::side_by_side(model, sets, follow, motion, dt, torques);
         }
         for (p, torque) in sets.iter().zip(torques) {
             let over = &mut Response { motion, dt, torque, slopes: &mut [] };
             if wide {
                 sensors(model, p, &columns, over);
             } else {
-                along(model, p, &columns, substeps, over);
+                along(model, p, &columns, follow, over);
             }
         }
     }
 }
 
 /// The recorded torque and its derivatives along a motion: the whole chain.
-pub fn along(model: &Model, p: &[f64], columns: &[Option<usize>], substeps: usize, over: &mut Response<'_>) {
-    loads(model, p, columns, substeps, over);
+pub fn along(model: &Model, p: &[f64], columns: &[Option<usize>], follow: Follow, over: &mut Response<'_>) {
+    loads(model, p, columns, follow, over);
     sensors(model, p, columns, over);
 }

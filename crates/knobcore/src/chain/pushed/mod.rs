@@ -6,7 +6,7 @@ mod driven;
 
 pub use driven::{Drive, Driven, steps};
 
-use super::{SUBSTEPS, loads, sensors};
+use super::{Follow, SUBSTEPS, loads, sensors};
 use crate::effects::Joint;
 use crate::effects::law::Response;
 use crate::error::{Error, Result};
@@ -85,7 +85,7 @@ fn recorded(model: &Model, p: &[f64], motion: &Pushed, dt: f64, held: &[f64]) ->
     let columns = vec![None; p.len()];
     let motion_columns = [&t, &motion.theta, &motion.omega, &motion.alpha, &forward].map(Vec::as_slice);
     let mut over = Response { motion: motion_columns, dt, torque: &mut tau, slopes: &mut [] };
-    loads(model, p, &columns, SUBSTEPS, &mut over);
+    loads(model, p, &columns, Follow::of(SUBSTEPS), &mut over);
     if !model.is_coupled() {
         let rest = |i: &usize| motion.omega[*i] == 0.0;
         (0..held.len()).filter(rest).for_each(|i| over.torque[i] = held[i]);
