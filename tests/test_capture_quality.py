@@ -11,6 +11,7 @@ from recordings import RATE, N, masked, only, recording, times
 
 import knobcam as kc
 from knobcam.capture import Capture, Finding
+from knobcam.capture.quality.order import quantiles
 from knobcam.errors import InputError
 
 
@@ -25,6 +26,21 @@ def test_a_sample_that_is_not_finite_is_masked_in_every_column_and_kept_as_it_is
         assert "rows 10-11, 701" in only(capture).message
         assert masked(capture) == [10, 11, 701]
         assert np.array_equal(capture.columns[name], values, equal_nan=True)
+
+
+@pytest.mark.parametrize("kind", ["all differ", "counts", "half the same", "some are missing"])
+@pytest.mark.parametrize("many", [1, 2, 64, 65, 1000, 5000])
+def test_a_quantile_is_that_of_what_is_sorted_however_many_are_the_same(kind: str, many: int) -> None:
+    rng = np.random.default_rng(many)
+    values = rng.standard_normal(many)
+    if kind == "counts":
+        values = rng.integers(0, 9, many) / 3.0
+    elif kind != "all differ":
+        values[: many // 2] = 0.25 if kind == "half the same" else np.nan
+    shares = (0.5, 0.0, 0.9, 0.5, 1.0)
+    ranked = np.sort(values)
+    expected = [ranked[round(share * (many - 1))] for share in shares]
+    np.testing.assert_array_equal(quantiles(values, *shares), expected)
 
 
 def test_a_repeated_time_stamp_is_masked() -> None:

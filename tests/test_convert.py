@@ -228,6 +228,8 @@ def test_a_wrong_call_says_one_line_and_writes_nothing(tmp_path: Path) -> None:
     out = tmp_path / "out"
     expected = ("impossible in urdf", "detent, karnopp", "--without impossible", "in N m RMS", "detent 0.00")
     call("knob4", "--to", "urdf", "-o", out)
+    expected = (f"{out}: a unit of FMI ends in .fmu",)
+    call("knob4", "--to", "fmu", "-o", out)
     expected = ("detent", "does not repeat after a turn")
     call("knob4", "--to", "cogging-table", "--without", "impossible", "-o", out)
     expected = ("moteus", "--kt")

@@ -65,6 +65,9 @@ def test_an_experiment_says_what_it_tells_and_what_it_would_take():
     assert apart([names[0], Rival(("stribeck",), fit)]) == ("stribeck + unbalance", "stribeck")
     sharp = designed(sharpened=(Sharpened("inertia.M", 0.4, 0.1, 0.2),))
     assert sharp.headline == "inertia.M would be known 4 times as well after 4 s: to and fro."
+    assert sharp.headline == replace(sharp, untied=True).headline.removeprefix(
+        "These captures leave nothing tied, so the widest parameter is to be known better. "
+    )
     blunt = designed(sharpened=(Sharpened("detent.S", 0.4, 0.38, 0.4),))
     assert (blunt.useful, sharp.useful) == (False, True) and blunt.promise is None
     assert blunt.headline.endswith("limits makes detent.S known better than these captures do.")

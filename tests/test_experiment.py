@@ -189,6 +189,7 @@ def test_no_rival_asks_for_more_than_the_limits(weak: kc.LearningResult) -> None
 def test_a_parameter_is_known_better_after_the_motion_made_for_it(weak: kc.LearningResult) -> None:
     designed = kc.next_experiment(weak, sharpen="inertia.M", search_s=1.0)
     (one,) = designed.sharpened
+    assert not designed.untied
     assert one.after < one.after_standard < one.before
     assert designed.plot().axes[-1].get_xlabel() == "standard error of inertia.M (N m s^2/rad)"
     second = kc.simulate(weak.model, designed.track, seed=9)
@@ -254,6 +255,7 @@ def test_a_parameter_that_there_is_none_of_is_said_before_anything_is_learned(
         (("--sharpen", "stribeck.vs"), "", "sharpen='stribeck.vs': is no parameter that was fitted"),
         ((), "torque = 1.0", "is no limit"),
         ((), "torque_Nm = nan", "give a number above 0"),
+        ((), 'schema = "knobcam.motion/1"\nstart = 0.0', "itself knobcam.motion/1, which is no file"),
         ((), "duration_s = 600.0\nsample_rate_hz = 1e6", "600 s at 1e+06 Hz are 6e+08 samples"),
         (
             ("--rivals", "stribeck+end_stop,base"),

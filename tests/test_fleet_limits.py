@@ -18,6 +18,7 @@ from knobcam.fleet.outliers import outliers
 from knobcam.fleet.row import Row, row_of
 from knobcam.fleet.settings import Settings
 from knobcam.fleet.sources import of_path, sources
+from knobcam.fleet.store import _partition
 
 
 @pytest.fixture(scope="module")
@@ -229,6 +230,15 @@ def test_folders_say_what_a_capture_belongs_to():
     }
     assert of_path("x/spring/left/a.csv", "spring/left/a.csv") == {"lot": "spring", "station": "left"}
     assert of_path("x/a.csv", "a.csv") == {}
+
+
+def test_files_that_were_written_on_one_day_lie_in_one_part_of_the_table():
+    days = [f"2026-11-{day}T18:52:{second}+00:00" for day, second in ((24, 36), (24, 37), (25, 36))]
+    folders = [
+        _partition({"lot": "a b", "station": None, "date": one}) for one in (*days, "2026-11-24", "KW 48")
+    ]
+    ends = ("2026-11-24", "2026-11-24", "2026-11-25", "2026-11-24", "KW 48")
+    assert folders == [f"lot-a b/date-{end}" for end in ends]
 
 
 @pytest.mark.parametrize(("coordinate", "unit"), [("linear", "N"), ("rotary", "A"), ("linear", "A")])

@@ -8,6 +8,7 @@ from brake import braked_knob
 from small import COUPLINGS
 
 import knobcam as kc
+from knobcam.capture.by_hand import by_hand
 from knobcam.errors import InputError
 from knobcam.learn.experiment import NoMotion
 from knobcam.learn.limits import Limits
@@ -42,6 +43,12 @@ def test_slow_passes_for_what_lies_along_position_go_the_whole_way_at_two_steady
     steady = np.abs(track.omega[np.abs(track.alpha) < 1e-9])
     kept = {round(float(one), 3) for one in steady[steady > 0.0]}
     assert {0.6, 1.8} <= kept <= {0.6, 1.8, 6.0}  # and the way to where they begin
+
+
+def test_a_motion_that_begins_as_good_as_at_an_end_does_not_go_there_first() -> None:
+    limits = Limits(100.0, 0.1, 1.0, -2e-5, 0.246, coordinate="linear")
+    plan = _plan("position", _room(limits, 1.0, 1.0, 1.0, 0.0))
+    assert plan.start == pytest.approx(-2e-5) and not by_hand(plan, "linear")[0].cannot
 
 
 def test_where_no_effect_explains_what_is_left_the_next_motion_shows_more_of_that_and_sharpens_nothing(

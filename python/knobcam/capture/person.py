@@ -31,7 +31,8 @@ def as_told(
     """
     capture = without(capture, source, leave_out, overrule)
     check_overruled(source, overrule, capture.findings)
-    return replace(capture, findings=(*capture.findings, *awaited(overrule, capture.findings)))
+    later = awaited(overrule, capture.findings)
+    return replace(capture, findings=(*capture.findings, *later)) if later else capture
 
 
 def without(

@@ -78,6 +78,10 @@ def _to(args: Namespace, model: Model) -> Answer:
     from ..render.convert import convert
 
     check_folder(args.plots, args.output)
+    if args.to == "fmu" and args.output.suffix.lower() != ".fmu":
+        raise InputError(
+            f"{args.output}: a unit of FMI ends in .fmu, by which it is known; choose another name"
+        )
     status("converting")
     conversion = convert(
         model,

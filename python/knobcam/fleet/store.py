@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -33,6 +34,7 @@ _LOCK = "_lock"
 _LIMITS = "_limits.toml"
 _MOST_BYTES = 1_000_000
 _PARTITIONS = ("lot", "station", "date")
+_DAY = len("2026-11-24")  # letters of a date, behind which files of their own have the time of day
 
 
 @dataclass
@@ -200,6 +202,8 @@ def _files(folder: Path) -> list[Path]:
 
 
 def _partition(row: Row) -> str:
-    """Return the folder of a row in the table, by what it belongs to."""
-    parts = [f"{name}-{quote(str(row[name]), safe=' ')}" for name in _PARTITIONS if row.get(name) is not None]
-    return "/".join(parts)
+    """Return the folder of a row in the table, by what it belongs to and the day."""
+    known = {name: str(row[name]) for name in _PARTITIONS if row.get(name) is not None}
+    if re.match(r"\d{4}-\d{2}-\d{2}T", known.get("date", "")):
+        known["date"] = known["date"][:_DAY]
+    return "/".join(f"{name}-{quote(value, safe=' ')}" for name, value in known.items())

@@ -92,7 +92,7 @@ def next_experiment(
     tell(SEARCH)
     alone = (Rival(story.found, story.fit),)
     designed = design(found or alone, within, sharpen, search_s, seed, by_hand=by_hand, between=between)
-    return replace(designed, took_s=time.monotonic() - begun)
+    return replace(designed, untied=sharpen is None and not found, took_s=time.monotonic() - begun)
 
 
 def design(

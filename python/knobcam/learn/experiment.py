@@ -86,6 +86,8 @@ class Experiment(showing.Tabled):
     took_s: float = field(default=0.0, compare=False)
     left_out: tuple[Rival, ...] = ()
     shows: str | None = None
+    untied: bool = False
+    """Whether it sharpens because nobody asked for anything and the captures leave nothing to tell apart."""
 
     @property
     def separable(self) -> bool:
@@ -157,7 +159,13 @@ class Experiment(showing.Tabled):
         """What the motion would tell, and how it moves, in a sentence."""
         promise = self.promise
         whole = promise and said("{promise}: {about}.", promise=promise, about=self.plan.about)
-        return joined(" ", (whole, self._tells, self._as_usual, self.untold, self._left_out))
+        return joined(" ", (self._untied, whole, self._tells, self._as_usual, self.untold, self._left_out))
+
+    @property
+    def _untied(self) -> str:
+        """Why a parameter is sharpened that nobody asked for."""
+        why = "These captures leave nothing tied, so the widest parameter is to be known better."
+        return why if self.untied else ""
 
     @property
     def _tells(self) -> str:

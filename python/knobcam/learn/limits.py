@@ -93,7 +93,10 @@ class Limits:
     @classmethod
     def load(cls, path: str | os.PathLike[str], usual: Limits) -> Limits:
         """Read a file of limits; what it does not name is as usual. Raises InputError for what is none."""
-        values = read_toml(path, "file of limits", _MOST_BYTES, "write lines such as torque_Nm = 0.1")
+        advice = "write lines such as torque_Nm = 0.1"
+        values = read_toml(path, "file of limits", _MOST_BYTES, advice)
+        if isinstance(schema := values.get("schema"), str):
+            raise InputError(f"{path}: calls itself {schema[:40]}, which is no file of limits; {advice}")
         return usual.with_some(values, f"{path}: ")
 
     def with_some(self, given: Mapping[str, object], where: str = "limits, ") -> Limits:

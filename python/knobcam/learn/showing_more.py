@@ -42,6 +42,7 @@ _EACH_S = 3.0  # of a pass at one of many speeds
 _STROKES = 0.3, 3.0, 30.0  # of the distance at which it fails
 _TIMES, _MANY = 3, 12
 _STILL_S = 5.0
+_THERE = 1e-3  # of the way, within which an end is no place to go to first
 _REST_S = 1.0
 
 
@@ -207,4 +208,6 @@ def _room(limits: Limits, way: float, hurry: float, ease: float, fails_at: float
 def _plan(axis: str, room: _Room) -> MotionPlan:
     parts, said = _KINDS[axis](room)
     start = min(max(0.0, room.low), room.high)
+    end = min((room.low, room.high), key=lambda end: abs(end - start))
+    start = end if abs(end - start) < _THERE * room.way else start
     return MotionPlan(tuple(parts), start, said)

@@ -13,6 +13,7 @@ import numpy as np
 from ...base.arrays import FloatArray
 from ...errors import InputError
 from .inflate import Budget, survey
+from .magic import no_capture
 from .table import MOST_COLUMNS, Table, add_array, check_joint, choose
 
 _DEEPEST = 16
@@ -22,6 +23,7 @@ _LARGEST = 24_000_000  # bytes of one document or line, whose objects can take f
 _TVIEW = {"controller", "timestamp", "channel", "data"}
 _SERVO = "servo_stats"  # the channel of tview that has the motion
 _WIDEST = 64  # numbers that a row has under one name: so many joints; a list of more is a column of a run
+_OWN = "knobcam."  # begins the schema of what its commands print
 _XL330_PWM = 885.0  # counts at a duty of 1: ROBOTIS e-Manual of the XL330-M288, PWM Limit
 
 
@@ -47,6 +49,9 @@ def read_json(stream: IO[bytes], budget: Budget, joint: str | None = None) -> Ta
         document = json.loads(raw)
     except (ValueError, RecursionError) as error:
         raise InputError(f"{source}: damaged JSON ({error}); export it again") from error
+    schema = document.get("schema") if isinstance(document, dict) else None
+    if isinstance(schema, str) and schema.startswith(_OWN):
+        raise InputError(f"{source}: {no_capture(schema)}")
     runs = _runs(document)
     if runs is None:
         check_joint(source, joint)
@@ -252,8 +257,11 @@ def _duty(load: FloatArray) -> FloatArray:
 def _arrays(source: str, document: Mapping[str, Any]) -> Table:
     columns: dict[str, FloatArray] = {}
     broken: dict[str, str] = {}
+    words = 0
 
     def visit(name: str, value: Any, depth: int) -> None:
+        nonlocal words
+        words += isinstance(value, str)
         if isinstance(value, dict) and depth < _DEEPEST:
             for key, part in value.items():
                 visit(f"{name}.{key}" if name else str(key), part, depth + 1)
@@ -264,7 +272,10 @@ def _arrays(source: str, document: Mapping[str, Any]) -> Table:
                 broken[name] = f"{name or 'the list'} holds other things than numbers; map another column"
 
     visit("", document.get("", document), 0)
-    if not any(column.ndim for column in columns.values()):
+    longest = max((column.size for column in columns.values() if column.ndim), default=0)
+    scalars = words + sum(column.ndim == 0 for column in columns.values())
+    # Of settings or results some are lists too, but no longer than a row may be, and fewer than the rest.
+    if longest <= min(scalars, _WIDEST):
         raise InputError(
             f"{source}: JSON without rows or arrays of numbers; a capture has columns of samples"
         )

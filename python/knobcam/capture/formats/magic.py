@@ -40,11 +40,19 @@ _MAT4_NAME = 64  # letters and a zero: MATLAB's names are up to 63
 MAT4_BYTES = _MAT4.size + _MAT4_NAME
 """As much as the longest beginning of a matrix of MATLAB version 4 takes."""
 _JSON = re.compile(rb"\s*(\{|\[\s*[\[{])")
+_OWN_TOML = re.compile(rb"(?:\s*#.*\n)*\s*schema\s*=\s*[\"'](knobcam\.[\w./-]+)")
 
 
 def not_read(head: bytes) -> str | None:
     """Return what a file is that is known and not read, and the way out; None for any other."""
+    if (own := _OWN_TOML.match(head)) is not None:
+        return no_capture(own[1].decode())
     return next((said for begin, said in _NOT_READ.items() if head.startswith(begin)), None)
+
+
+def no_capture(schema: str) -> str:
+    """Return that a file calls itself another thing than a capture, and the way out."""
+    return f"calls itself {schema[:40]}, which is no capture; name a file with columns of samples"
 
 
 class Mat4(NamedTuple):

@@ -12,16 +12,33 @@ HALF_AND_MOST = ((0.5, 0.6745), (0.9, 1.6449))
 """Shares of normal values, and the deviations within which they lie."""
 
 
+_LOOKED = 64
+"""Values that tell whether many are the same, as the steps of a clock or of an encoder are."""
+
+
 def quantile(values: FloatArray, share: float) -> float:
     """Return the value (n > 0) that `share` of `values` does not exceed, by nearest rank."""
-    rank = round(share * (len(values) - 1))
-    return float(np.partition(values, rank)[rank])
+    return quantiles(values, share)[0]
 
 
 def quantiles(values: FloatArray, *shares: float) -> list[float]:
-    """Return the same for several shares: sorted once, which takes no longer than one of them."""
-    ranked = np.sort(values)
-    return [float(ranked[round(share * (len(values) - 1))]) for share in shares]
+    """Return the same for several shares.
+
+    Values of which many are the same are sorted in a sixth of the time in which they are parted at one rank;
+    of others a part takes a third of a sort, and the next one is left of what is beyond the first.
+    """
+    ranks = [round(share * (len(values) - 1)) for share in shares]
+    some = np.sort(values[:: 1 + len(values) // _LOOKED])
+    if len(some) == len(values):
+        return [float(some[rank]) for rank in ranks]
+    if (some[1:] == some[:-1]).any():
+        ranked = np.sort(values)
+        return [float(ranked[rank]) for rank in ranks]
+    found, left, first = {}, values, 0
+    for rank in sorted(ranks):
+        left, first = np.partition(left, rank - first)[rank - first :], rank
+        found[rank] = float(left[0])
+    return [found[rank] for rank in ranks]
 
 
 def deviation(sizes: FloatArray, shares: Sequence[tuple[float, float]] = HALF_AND_MOST) -> float:

@@ -8,7 +8,20 @@ import numpy as np
 
 from ...learn.telling import TOLD, Telling
 from .over_time import line
-from .style import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, VERMILLION, Picture, legend_above, plain, styled
+from .style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PALE,
+    VERMILLION,
+    Picture,
+    legend_above,
+    plain,
+    styled,
+    torque_word,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,9 +43,10 @@ def experiment(experiment: Experiment) -> Picture:
     axes += [figure.add_subplot(inner[row], sharex=axes[0]) for row in (1, 2)]
     unit, force = experiment.limits.unit, experiment.rivals[0].fit.torque_unit
     limits, track = experiment.limits, experiment.track
-    _within(axes[0], track.t, track.theta, (limits.theta_min_rad, limits.theta_max_rad), f"angle ({unit})")
+    where = f"{'angle' if limits.coordinate == 'rotary' else 'position'} ({unit})"
+    _within(axes[0], track.t, track.theta, (limits.theta_min_rad, limits.theta_max_rad), where)
     _within(axes[1], track.t, track.omega, (-limits.omega_rad_s, limits.omega_rad_s), f"speed ({unit}/s)")
-    _torques(axes[2], experiment, f"torque ({force})")
+    _torques(axes[2], experiment, f"{torque_word(force)} ({force})")
     for axis in axes[:2]:
         axis.tick_params(labelbottom=False)
     axes[2].set_xlabel("time (s)")
