@@ -5,7 +5,7 @@ import { limits, tickWords } from "../src/axes.js";
 import { factorOf, lettered } from "../src/curve.js";
 import { enoughWords, limitWords, ofLimits } from "../src/evidence.js";
 import { latest } from "../src/latest.js";
-import { momentWords } from "../src/acting.js";
+import { firstFitted, momentWords } from "../src/acting.js";
 import { restWords } from "../src/candidates.js";
 import { apart, plusMinus, withoutName } from "../src/params.js";
 import { shownLimit, wider } from "../src/within.js";
@@ -56,6 +56,8 @@ test("at a moment to which nothing is fitted an effect adds nothing that is know
   assert.equal(momentWords(Math.fround(0.0002), 0.0012, scale), "0.0002 s: adds 1.2 mNm");
   assert.equal(momentWords(0, NaN, scale), "0 s: nothing is fitted to this moment");
   assert.equal(momentWords(12.34567, null, scale), "12.35 s: what it adds is not weighed here");
+  // So its picture begins where there is something to see.
+  assert.deepEqual([[NaN, NaN, 0, 1], [2, NaN], [NaN]].map((one) => firstFitted(Float32Array.from(one))), [2, 0, 0]);
 });
 
 test("what comes after nothing is not counted as more", () => {

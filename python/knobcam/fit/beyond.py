@@ -34,7 +34,7 @@ def beyond(fit: Fit) -> Beyond | None:
     for one in fit.prepared:
         if one.core.incoherent is not None:
             words = (
-                f"what is faster than {one.core.incoherent[0]:.3g} Hz, of which the recorded motion is wrong"
+                f"what is faster than {one.core.incoherent[0]:.3g} Hz, where the recorded motion cannot be trusted"
             )
             return Beyond(words, "frequency", 1.0)
         ripple = one.core.taken_off(fit.model.core.torque(one.core, False)) if one.core.lost else None

@@ -669,7 +669,7 @@ function showCaptures(place4, state, { use, close }) {
   place4.dataset.shown = key2;
   if (captures.length === 1) {
     const [only] = captures;
-    place4.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only, about2, only.name), facts(only)));
+    place4.replaceChildren(make("span", { class: "capture", title: `${only.name}:${facts(only)}` }, ...words(only, about2, only.name), make("span", { class: "facts", text: facts(only) })));
     return;
   }
   const short2 = shortNames(captures.map(({ name: name2 }) => name2));
@@ -1631,6 +1631,9 @@ function momentWords(seconds2, torque, { factor: factor2, unit }) {
   if (torque === null) return `${at}what it adds is not weighed here`;
   return at + (Number.isFinite(torque) ? `adds ${number(torque * factor2)} ${unit}` : "nothing is fitted to this moment");
 }
+function firstFitted(column) {
+  return Math.max(0, column.findIndex((one) => Number.isFinite(one)));
+}
 function acting(effect, { data, at, added }) {
   const { t } = data.columns;
   const canvas = make("canvas", { class: "section", role: "img", "aria-label": SEEN2[kindOf(effect)] });
@@ -1686,6 +1689,8 @@ function acting(effect, { data, at, added }) {
   added().then(
     (column) => {
       motion = new Motion(data.columns, column);
+      if (at === null && column && slider.value === "0") slider.value = String(firstFitted(column));
+      if (playing) run(true);
       draw2();
     },
     () => {
@@ -1821,7 +1826,7 @@ function bars({ names, d, standard_d, wrong_choice, came }, about2, told) {
   };
   const wrong = wrong_choice < 1e-4 ? "less than 0.01 %" : `${number(100 * wrong_choice, 2)} %`;
   return [
-    make("p", {}, make("strong", {}, ...nodes(names[0], about2), " or ", ...nodes(names[1], about2)), `: the wrong one is chosen in ${wrong}`),
+    make("p", {}, make("strong", {}, ...nodes(names[0], about2), " or ", ...nodes(names[1], about2)), `: the wrong one is chosen in ${wrong} of cases`),
     row("this motion", d, "promised"),
     row("best standard motion", standard_d, "standard"),
     ...came === null ? [] : [row("what came", came, "came")]
@@ -5235,7 +5240,7 @@ function sources(heard) {
     } catch (reason2) {
       wait(false);
       fault = reason2 instanceof Refusal && reason2.fault ? reason2.fault.code : null;
-      told.textContent = reason2 instanceof Refusal && reason2.fault ? reason2.fault.told : wordsOf(reason2);
+      told.textContent = reason2 instanceof Refusal && reason2.fault ? reason2.fault.told : asCalled(form, wordsOf(reason2));
       byId("new-fault").hidden = fault === null;
     }
   };
@@ -5246,6 +5251,11 @@ function preparing(what) {
     byId("new-dialog")
   );
   byId("new-doing").textContent = open ? `${what} …` : "";
+}
+function asCalled(form, words4) {
+  const [, name2 = "", value, rest] = /^(\w+)=(.*?): (.*)$/s.exec(words4) ?? [];
+  const label = form.querySelector(`[name="${name2}"]`)?.closest("label")?.querySelector("span")?.textContent;
+  return label ? `${label}${value === "''" ? "" : ` = ${value}`}: ${rest}` : words4;
 }
 function wanted(form) {
   const body = {};
