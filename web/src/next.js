@@ -12,7 +12,7 @@ import { Port } from "./port.js";
 import { aboutOf, nodes, sentence } from "./said.js";
 import { decode } from "./store.js";
 import { timed } from "./timing.js";
-import { alikeOf, insteadOf, showUntold, waitsFor } from "./untold.js";
+import { alikeOf, insteadOf, purposeOf, showUntold, waitsFor } from "./untold.js";
 import { Within } from "./within.js";
 
 /** @typedef {import("./types.js").Experiment} Experiment */
@@ -174,7 +174,7 @@ export class Next {
       byId("next-said").textContent = instead;
       for (const id of ["next-time", "next-verdict"]) byId(id).textContent = "";
       const { asked } = this;
-      byId("next-headline").replaceChildren(...(asked.length > 1 ? ["For a motion that tells apart ", ...allOf(asked), "."] : [instead]));
+      byId("next-headline").replaceChildren(...(asked.length > 1 ? ["For a motion that tells apart ", ...allOf(asked), "."] : [purposeOf(state)]));
       byId("next-again").textContent = this.waits ? "Keep" : "Design";
       return;
     }

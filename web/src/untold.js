@@ -17,6 +17,15 @@ export function insteadOf({ candidates, record, shown_along: along, untold }) {
 }
 
 /**
+ * What a motion would be for that nobody has asked for yet, within limits that are looked at.
+ * @param {Pick<State, "candidates" | "record" | "shown_along" | "untold">} state
+ */
+export function purposeOf(state) {
+  const known = "For the motion after which that is known better which is known least.";
+  return insteadOf(state) || (state.untold.length > 0 ? "For the motion that tells apart what these captures cannot." : known);
+}
+
+/**
  * Whether no motion is for what is to be done first: while something is missing, or where it takes something else than a
  * motion within limits, as a finer sensor.
  * @param {Pick<State, "candidates" | "record" | "untold" | "shown_along">} state

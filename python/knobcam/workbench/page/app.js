@@ -162,6 +162,9 @@ var SHORT = { "N s^2/m": "kg", "N m s^2/rad": "kg m²", 1: "" };
 function unitWords(unit) {
   return SHORT[unit] ?? unit.replaceAll("^2", "²").replaceAll("^3", "³");
 }
+function unitOf(unit, torque) {
+  return unit.replace(/^N(?: m)?(?=[ /]|$)/, torque);
+}
 function scaleOf(unit, about2) {
   const torque = torqueScale(about2);
   const own = !(unit in SHORT) && (unit === about2.unit || unit.startsWith(`${about2.unit} `) || unit.startsWith(`${about2.unit}/`));
@@ -1134,6 +1137,10 @@ function insteadOf({ candidates, record, shown_along: along, untold }) {
   if (candidates.rows.some(({ could_be: could }) => could)) return "What to record next is known once what is missing is in the model.";
   return record ? `What to record next, to see what it is: ${record}.` : "";
 }
+function purposeOf(state) {
+  const known2 = "For the motion after which that is known better which is known least.";
+  return insteadOf(state) || (state.untold.length > 0 ? "For the motion that tells apart what these captures cannot." : known2);
+}
 function waitsFor(state) {
   return insteadOf(state) !== "" && state.shown_along === null;
 }
@@ -1734,7 +1741,7 @@ var AnyEffect = class {
     this.absent = absent;
   }
 };
-function about(effect, shown2) {
+function about(effect, shown2, torque) {
   const { effect: id, place: place4, source, shows, name: name2, about: sentence2, causes, remedies } = effect;
   const drawing = make("p", { class: "soft", text: "The picture is being drawn …" });
   const frame = make("div", { class: "picture", role: "status" }, drawing);
@@ -1743,7 +1750,7 @@ function about(effect, shown2) {
   byId("about-text").replaceChildren(
     make("p", { text: sentence2 }),
     lawOf(effect),
-    meanings2(effect),
+    meanings2(effect, torque),
     shown2 ? acting(effect, shown2) : "",
     make("div", { class: "columns-of-two" }, listed2("Usual causes", causes), listed2("What helps", remedies)),
     make("p", { class: "soft", text: `Acts on the ${PLACES[place4] ?? place4}. Shows ${shows}. Source: ${source}.` }),
@@ -1762,8 +1769,9 @@ function about(effect, shown2) {
     (reason2) => frame.replaceChildren(make("p", { class: "wrong", text: wordsOf(reason2) }))
   );
 }
-function meanings2({ letters, latex }) {
-  const rows = letters.map(({ names, meaning, unit }) => make("li", {}, lettersOf(names, latex), ` ${meaning}`, unitWords(unit) ? `, ${unitWords(unit)}` : ""));
+function meanings2({ letters, latex }, torque) {
+  const written = (unit) => unitWords(unitOf(unit, torque));
+  const rows = letters.map(({ names, meaning, unit }) => make("li", {}, lettersOf(names, latex), ` ${meaning}`, written(unit) ? `, ${written(unit)}` : ""));
   const own = letters.flatMap(({ names }) => names);
   rows.push(...othersIn(latex, own).map(([tex, words4]) => make("li", {}, printed(tex), ` ${words4}`)));
   return rows.length > 0 ? make("ul", { class: "letters soft", "aria-label": "letters of the law" }, ...rows) : "";
@@ -4742,7 +4750,7 @@ var Next = class {
       byId("next-said").textContent = instead;
       for (const id of ["next-time", "next-verdict"]) byId(id).textContent = "";
       const { asked: asked2 } = this;
-      byId("next-headline").replaceChildren(...asked2.length > 1 ? ["For a motion that tells apart ", ...allOf(asked2), "."] : [instead]);
+      byId("next-headline").replaceChildren(...asked2.length > 1 ? ["For a motion that tells apart ", ...allOf(asked2), "."] : [purposeOf(state)]);
       byId("next-again").textContent = this.waits ? "Keep" : "Design";
       return;
     }
@@ -5717,7 +5725,7 @@ var App = class {
       const how = { verb: "signature", asked: { effect: effect.effect, own: "" } };
       return this.store.explained(node, state.active, `${effect.effect} alone`, how);
     };
-    about(effect, data && node ? { data, at: this.linked.torques[0].marked, added } : null);
+    about(effect, data && node ? { data, at: this.linked.torques[0].marked, added } : null, state?.unit ?? "N m");
   }
   /** @param {Job | null} job */
   showJob(job) {
