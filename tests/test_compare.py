@@ -35,7 +35,7 @@ def test_error_variance_and_relative_error_stand_first_and_the_floor_beside_them
     json.dumps(comparison.document())
 
 
-def test_of_an_error_far_above_the_noise_it_is_said_that_hardly_any_is_chance_and_not_how_many_times() -> None:
+def test_of_an_error_far_above_the_noise_it_is_said_that_hardly_any_of_it_is_chance() -> None:
     model = kc.Model.of(["inertia", "coulomb"], inertia__M=1e-4, coulomb__pos=0.02, coulomb__neg=0.02)
     quiet = kc.SensorNoise(tau_sd=1e-6)
     capture = kc.simulate(model, "sweep", noise=quiet, duration_s=3.0, rate_hz=1000.0)

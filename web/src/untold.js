@@ -6,6 +6,15 @@ import { listed, titleOf } from "./names.js";
 /** @typedef {import("./types.js").State} State */
 
 /**
+ * Whether it is known what to record next: what could be missing is weighed, or a search has come to its end, after
+ * which the rest is weighed for minutes.
+ * @param {Pick<State, "candidates" | "concluded" | "node">} state
+ */
+export function tellsNext({ candidates, concluded, node }) {
+  return node !== null && (candidates.ready || concluded.length > 0);
+}
+
+/**
  * What is to be done before a motion is designed, or recorded in its place: for a model that lacks something it would
  * only make known better what is wrong. Nothing where captures could not tell effects apart.
  * @param {Pick<State, "candidates" | "record" | "shown_along" | "untold">} state

@@ -79,6 +79,14 @@ test("what to record next waits for what is missing, and says in words what show
   assert.match(purpose([["detent", "return_spring"]]), /tells apart/);
 });
 
+test("what to record next is said as soon as it is concluded, and not when all the rest is weighed as well", async () => {
+  globalThis.location = /** @type {any} */ ({ search: "" });
+  const { tellsNext } = await import("../src/untold.js");
+  const tells = (/** @type {boolean} */ ready, /** @type {string[]} */ concluded, node = /** @type {string | null} */ ("n1")) =>
+    tellsNext(/** @type {any} */ ({ candidates: { ready }, concluded, node }));
+  assert.deepEqual([tells(false, []), tells(true, []), tells(false, ["Cogging found"]), tells(true, [], null)], [false, true, true, false]);
+});
+
 test("a motion is offered for what has no name where one shows more of it, and none while something is missing", async () => {
   globalThis.location = /** @type {any} */ ({ search: "" });
   const { waitsFor } = await import("../src/untold.js");

@@ -247,7 +247,8 @@ class Comparison(showing.Tabled):
         if self.worst is None:
             end = "{head}: {times:.3f} times the noise floor of {floor}, and no axis shows where."
             return said(end, head=head, times=times, floor=floor)
-        return said("{head}: {times:.2f} times the noise floor of {floor}.", head=head, times=times, floor=floor)
+        end = "{head}: {times:.2f} times the noise floor of {floor}."
+        return said(end, head=head, times=times, floor=floor)
 
     @property
     def place(self) -> Said | None:

@@ -1132,6 +1132,9 @@ function element([tag, attributes, ...children]) {
 }
 
 // src/untold.js
+function tellsNext({ candidates, concluded, node }) {
+  return node !== null && (candidates.ready || concluded.length > 0);
+}
 function insteadOf({ candidates, record, shown_along: along, untold }) {
   if (untold.length > 0 && along === null) return "";
   if (candidates.rows.some(({ could_be: could }) => could)) return "What to record next is known once what is missing is in the model.";
@@ -4737,8 +4740,8 @@ var Next = class {
     if (this.state?.node !== state.node) [this.effects, this.sharpen] = [void 0, ""];
     this.state = state;
     showUntold(byId("untold"), state, (effects) => this.design(effects), this.deeds.drop);
-    const { experiment, node, recording, candidates } = state;
-    byId("next-line").hidden = experiment === null && !(candidates.ready && node !== null);
+    const { experiment, node, recording } = state;
+    byId("next-line").hidden = experiment === null && !tellsNext(state);
     const instead = experiment === null ? insteadOf(state) : "";
     byId("next-show").textContent = experiment ? "Next experiment…" : instead ? "Design that motion…" : "What to record next…";
     byId("next-show").hidden = experiment === null && waitsFor(state);
