@@ -222,7 +222,7 @@ def test_a_capture_is_made_in_the_page_and_grows_before_the_eyes(tmp_path: Path,
     with workbench() as address:
         seen = script("live.js", address, "stribeck", logs, pictures)
     as_kept(pictures, "12-new-capture")
-    assert seen["wrong"] == "duration_s=-3: give a number from 0.1 to 600"
+    assert seen["wrong"] == "Duration, s = -3: give a number from 0.1 to 600"
     shares, shown = zip(*seen["grown"], strict=True)
     assert list(shares) == sorted(shares) and list(shown) == sorted(shown)
     assert min(len(set(shares)), len(set(shown))) > 4

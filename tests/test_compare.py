@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import knobcam as kc
-from knobcam.fit.compare import Figures
+from knobcam.fit.compare import Figures, in_floors
 
 
 @pytest.fixture(scope="module")
@@ -33,6 +33,18 @@ def test_error_variance_and_relative_error_stand_first_and_the_floor_beside_them
     names = list(comparison.document())
     assert names[:6] == ["schema", "rmse", "explained", "relative_error", "noise_floor", "unit"]
     json.dumps(comparison.document())
+
+
+def test_of_an_error_far_above_the_noise_it_is_said_that_hardly_any_of_it_is_chance() -> None:
+    model = kc.Model.of(["inertia", "coulomb"], inertia__M=1e-4, coulomb__pos=0.02, coulomb__neg=0.02)
+    quiet = kc.SensorNoise(tau_sd=1e-6)
+    capture = kc.simulate(model, "sweep", noise=quiet, duration_s=3.0, rate_hz=1000.0)
+    comparison = kc.fit(capture, kc.Model.of(["inertia"], inertia__M=1e-4)).compare()
+    fit = comparison.fit
+    assert fit.rmse > 10.0 * fit.noise_floor > 0.0
+    left = f"; noise alone would leave {fit.noise_floor:.4g} N m, so hardly any of it is chance."
+    assert left in comparison.summary and "times" not in comparison.summary
+    assert (in_floors(9.994), in_floors(14.6)) == ("9.99", "15")
 
 
 def test_a_comparison_of_a_linear_axis_is_in_newtons() -> None:

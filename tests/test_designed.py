@@ -38,7 +38,7 @@ def designed(*d: float, **more: Any) -> Experiment:
 def test_an_experiment_says_what_it_tells_and_what_it_would_take():
     both = designed(30.0, TOLD, 50.0)
     assert both.separable and both.headline.startswith(
-        "4 s tell base, stribeck and offset apart (the wrong one is chosen in 5 %)"
+        "4 s tell base, stribeck and offset apart (the wrong one is chosen in 5 % of cases)"
     )
     short = designed(30.0, 0.99 * TOLD, 50.0)
     assert not short.separable and short.headline.endswith("alone is made up to five times as wide helps.")

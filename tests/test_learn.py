@@ -5,9 +5,11 @@ from __future__ import annotations
 import dataclasses
 import json
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
+from carried import carried
 from small import COUPLINGS
 
 import knobcam as kc
@@ -240,7 +242,7 @@ def test_a_torque_with_the_other_sign_is_a_fault_of_the_log_and_nothing_is_accus
     assert "minus" in learned.headline
 
 
-def test_captures_of_one_knob_agree_and_those_of_a_changed_one_do_not() -> None:
+def test_captures_of_one_knob_agree_and_those_of_a_changed_one_do_not(tmp_path: Path) -> None:
     knob = kc.Model.load("knob4")
     changed = knob.with_value("detent.P", 0.077)
     first, again, other = (
@@ -254,6 +256,11 @@ def test_captures_of_one_knob_agree_and_those_of_a_changed_one_do_not() -> None:
     assert worst.by_se > 10.0
     assert f"{worst.param} is" in repr(story) and "in changed.npz" in repr(story)
     assert story.document()["disagreements"][0]["param"] == worst.param
+    # A report says which parameter by what it is; and its plots know that they are of several captures.
+    html = story.report(tmp_path / "two.html").read_text("utf-8")
+    there = html.partition("Where the captures disagree")[2].partition("</ul>")[0]
+    assert " in changed.npz, " in there and not any(name in there for name in story.params)
+    assert carried(html)["captures"] == 2
 
 
 def test_one_capture_agrees_with_itself(story: kc.LearningResult) -> None:

@@ -142,3 +142,11 @@ def test_every_effect_has_a_title_of_its_own() -> None:
     titles = [one.title for one in kc.effects().values()]
     assert len(set(titles)) == len(titles)
     assert all(title and "_" not in title and len(title) <= 27 for title in titles), titles
+
+
+@pytest.mark.parametrize("axis", ["rotary", "linear"])
+def test_friction_that_no_speed_changes_is_called_dry_by_all_that_speak_of_it(axis: str) -> None:
+    for one in kc.effects(axis).values():
+        words = (one.title, one.name, one.about, one.shows, *one.causes, *one.remedies)
+        for text in (*words, *(row.meaning for row in one.params), one.taken_up.why if one.taken_up else ""):
+            assert "coulomb" not in text.lower(), f"{one.id}: {text}"

@@ -132,7 +132,7 @@ await page.emulateMedia({ colorScheme: "light" });
 await candidates.first().focus();
 await page.route("**/api/picture*", async (route) => {
   await page.locator("#about[open] .formula math").waitFor(); // what is known is not waited for
-  assert.match(await page.getByLabel("letters of the law").textContent(), /r rise towards rest, a share of Coulomb.*Stribeck speed, rad\/s/);
+  assert.match(await page.getByLabel("letters of the law").textContent(), /r rise towards rest, a share of the dry friction.*Stribeck speed, rad\/s/);
   await accessible(page, "about");
   const moment = page.getByLabel("moment", { exact: true });
   const start = Number(await moment.inputValue());

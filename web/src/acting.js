@@ -21,6 +21,11 @@ export function momentWords(seconds, torque, { factor, unit }) {
   return at + (Number.isFinite(torque) ? `adds ${number(torque * factor)} ${unit}` : "nothing is fitted to this moment");
 }
 
+/** The first sample to which something is fitted; the beginning where there is none. @param {Float32Array} column */
+export function firstFitted(column) {
+  return Math.max(0, column.findIndex((one) => Number.isFinite(one)));
+}
+
 /**
  * @param {Effect} effect
  * @param {Shown} shown `added`: what it would add at each sample, null where it is not weighed
@@ -75,6 +80,9 @@ export function acting(effect, { data, at, added }) {
   added().then(
     (column) => {
       motion = new Motion(data.columns, column);
+      // Nobody chose the beginning, and often nothing is fitted to it.
+      if (at === null && column && slider.value === "0") slider.value = String(firstFitted(column));
+      if (playing) run(true);
       draw();
     },
     () => {}, // without it the motion is still shown

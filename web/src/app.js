@@ -354,7 +354,7 @@ class App {
       const how = { verb: "signature", asked: { effect: effect.effect, own: "" } };
       return this.store.explained(node, state.active, `${effect.effect} alone`, how);
     };
-    about(effect, data && node ? { data, at: this.linked.torques[0].marked, added } : null);
+    about(effect, data && node ? { data, at: this.linked.torques[0].marked, added } : null, state?.unit ?? "N m");
   }
 
   /** @param {Job | null} job */

@@ -29,7 +29,7 @@ export function showCaptures(place, state, { use, close }) {
   place.dataset.shown = key;
   if (captures.length === 1) {
     const [only] = captures;
-    place.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only, about, only.name), facts(only)));
+    place.replaceChildren(make("span", { class: "capture", title: `${only.name}:${facts(only)}` }, ...words(only, about, only.name), make("span", { class: "facts", text: facts(only) })));
     return;
   }
   const short = shortNames(captures.map(({ name }) => name));

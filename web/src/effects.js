@@ -5,7 +5,7 @@ import { fetchPicture, wordsOf } from "./api.js";
 import { byId, make } from "./dom.js";
 import { fitFormulas, lawOf, lettersOf, othersIn, printed } from "./math.js";
 import { titleOf } from "./names.js";
-import { unitWords } from "./numbers.js";
+import { unitOf, unitWords } from "./numbers.js";
 
 /** @typedef {import("./types.js").Effect} Effect */
 
@@ -50,8 +50,9 @@ export class AnyEffect {
  * Show what an effect is and where it shows, in motion where there is one.
  * @param {Effect} effect
  * @param {import("./acting.js").Shown | null} shown
+ * @param {string} torque the unit that the captures have for it
  */
-export function about(effect, shown) {
+export function about(effect, shown, torque) {
   const { effect: id, place, source, shows, name, about: sentence, causes, remedies } = effect;
   // The words are there at once; the picture is drawn meanwhile, where room is kept for it.
   const drawing = make("p", { class: "soft", text: "The picture is being drawn …" });
@@ -61,7 +62,7 @@ export function about(effect, shown) {
   byId("about-text").replaceChildren(
     make("p", { text: sentence }),
     lawOf(effect),
-    meanings(effect),
+    meanings(effect, torque),
     shown ? acting(effect, shown) : "",
     make("div", { class: "columns-of-two" }, listed("Usual causes", causes), listed("What helps", remedies)),
     make("p", { class: "soft", text: `Acts on the ${PLACES[place] ?? place}. Shows ${shows}. Source: ${source}.` }),
@@ -81,9 +82,10 @@ export function about(effect, shown) {
   );
 }
 
-/** What each letter of a law means, with its unit. @param {Pick<Effect, "letters" | "latex">} effect */
-function meanings({ letters, latex }) {
-  const rows = letters.map(({ names, meaning, unit }) => make("li", {}, lettersOf(names, latex), ` ${meaning}`, unitWords(unit) ? `, ${unitWords(unit)}` : ""));
+/** What each letter of a law means, with its unit. @param {Pick<Effect, "letters" | "latex">} effect @param {string} torque */
+function meanings({ letters, latex }, torque) {
+  const written = (/** @type {string} */ unit) => unitWords(unitOf(unit, torque));
+  const rows = letters.map(({ names, meaning, unit }) => make("li", {}, lettersOf(names, latex), ` ${meaning}`, written(unit) ? `, ${written(unit)}` : ""));
   const own = letters.flatMap(({ names }) => names);
   rows.push(...othersIn(latex, own).map(([tex, words]) => make("li", {}, printed(tex), ` ${words}`)));
   return rows.length > 0 ? make("ul", { class: "letters soft", "aria-label": "letters of the law" }, ...rows) : "";

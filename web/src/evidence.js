@@ -84,7 +84,7 @@ export function bars({ names, d, standard_d, wrong_choice, came }, about, told) 
   };
   const wrong = wrong_choice < 1e-4 ? "less than 0.01 %" : `${number(100 * wrong_choice, 2)} %`;
   return [
-    make("p", {}, make("strong", {}, ...nodes(names[0], about), " or ", ...nodes(names[1], about)), `: the wrong one is chosen in ${wrong}`),
+    make("p", {}, make("strong", {}, ...nodes(names[0], about), " or ", ...nodes(names[1], about)), `: the wrong one is chosen in ${wrong} of cases`),
     row("this motion", d, "promised"),
     row("best standard motion", standard_d, "standard"),
     ...(came === null ? [] : [row("what came", came, "came")]),

@@ -81,7 +81,7 @@ export class Look {
     for (const [at, button] of this.buttons.entries()) button.setAttribute("aria-pressed", String(at === step));
     const { candidates } = head.steps[step];
     this.missing.hidden = candidates === null;
-    if (candidates) this.candidates.show({ candidates, concluded: [], node: String(step), job: null, searched: true, active: [] }, head);
+    if (candidates) this.candidates.show({ candidates, concluded: [], node: String(step), job: null, searched: true, active: Array(this.head.captures).fill("") }, head);
     timed("data", () => this.linked.show({ ...head, columns, fitted: true }, this.view));
   }
 

@@ -12,7 +12,7 @@ import { Port } from "./port.js";
 import { aboutOf, nodes, sentence } from "./said.js";
 import { decode } from "./store.js";
 import { timed } from "./timing.js";
-import { alikeOf, insteadOf, showUntold, waitsFor } from "./untold.js";
+import { alikeOf, insteadOf, purposeOf, showUntold, tellsNext, waitsFor } from "./untold.js";
 import { Within } from "./within.js";
 
 /** @typedef {import("./types.js").Experiment} Experiment */
@@ -160,8 +160,8 @@ export class Next {
     if (this.state?.node !== state.node) [this.effects, this.sharpen] = [undefined, ""]; // what was asked of another model
     this.state = state;
     showUntold(byId("untold"), state, (effects) => this.design(effects), this.deeds.drop);
-    const { experiment, node, recording, candidates } = state;
-    byId("next-line").hidden = experiment === null && !(candidates.ready && node !== null);
+    const { experiment, node, recording } = state;
+    byId("next-line").hidden = experiment === null && !tellsNext(state);
     const instead = experiment === null ? insteadOf(state) : "";
     byId("next-show").textContent = experiment ? "Next experiment…" : instead ? "Design that motion…" : "What to record next…";
     byId("next-show").hidden = experiment === null && waitsFor(state);
@@ -174,7 +174,7 @@ export class Next {
       byId("next-said").textContent = instead;
       for (const id of ["next-time", "next-verdict"]) byId(id).textContent = "";
       const { asked } = this;
-      byId("next-headline").replaceChildren(...(asked.length > 1 ? ["For a motion that tells apart ", ...allOf(asked), "."] : [instead]));
+      byId("next-headline").replaceChildren(...(asked.length > 1 ? ["For a motion that tells apart ", ...allOf(asked), "."] : [purposeOf(state)]));
       byId("next-again").textContent = this.waits ? "Keep" : "Design";
       return;
     }

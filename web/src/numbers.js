@@ -80,6 +80,15 @@ export function unitWords(unit) {
 }
 
 /**
+ * A unit of the catalogue, where torques are in N m and forces in N, of a capture that has something else in their place.
+ * @param {string} unit
+ * @param {string} torque what the capture has
+ */
+export function unitOf(unit, torque) {
+  return unit.replace(/^N(?: m)?(?=[ /]|$)/, torque);
+}
+
+/**
  * How a unit is written that has that of the torques in it: as in the plots. An inertia has a name of its own.
  * @param {string} unit
  * @param {{unit: string, peak: number}} about as of torqueScale

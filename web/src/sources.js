@@ -105,7 +105,7 @@ export function sources(heard) {
     } catch (reason) {
       wait(false);
       fault = reason instanceof Refusal && reason.fault ? reason.fault.code : null;
-      told.textContent = reason instanceof Refusal && reason.fault ? reason.fault.told : wordsOf(reason);
+      told.textContent = reason instanceof Refusal && reason.fault ? reason.fault.told : asCalled(form, wordsOf(reason));
       byId("new-fault").hidden = fault === null;
     }
   };
@@ -115,6 +115,17 @@ export function sources(heard) {
 export function preparing(what) {
   const { open } = /** @type {HTMLDialogElement} */ (byId("new-dialog"));
   byId("new-doing").textContent = open ? `${what} …` : "";
+}
+
+/**
+ * A refusal of what stands in a field, which has its name, with what the field is called here.
+ * @param {HTMLFormElement} form
+ * @param {string} words
+ */
+function asCalled(form, words) {
+  const [, name = "", value, rest] = /^(\w+)=(.*?): (.*)$/s.exec(words) ?? [];
+  const label = form.querySelector(`[name="${name}"]`)?.closest("label")?.querySelector("span")?.textContent;
+  return label ? `${label}${value === "''" ? "" : ` = ${value}`}: ${rest}` : words;
 }
 
 /**

@@ -295,11 +295,12 @@
  */
 
 /**
- * What linked plots show: models held against captures of `all` samples, torques up to `peak`.
+ * What linked plots show: models held against so many captures of `all` samples, torques up to `peak`.
  *
  * `titles` are those of all effects; `below_hz` as of `Session`.
  * @typedef {{unit: string, peak: number, below_hz: number | null, coordinate: "rotary" | "linear",
- *   noise: number | null, titles: Record<string, string>, all: number, steps: ShownStep[]}} Shown
+ *   noise: number | null, titles: Record<string, string>, captures: number, all: number, steps: ShownStep[]}}
+ *   Shown
  */
 
 /**
@@ -312,14 +313,15 @@
 /**
  * The same where `n` of the samples are carried along.
  * @typedef {{unit: string, peak: number, below_hz: number | null, coordinate: "rotary" | "linear",
- *   noise: number | null, titles: Record<string, string>, all: number, steps: ShownStep[], n: number}} Head
+ *   noise: number | null, titles: Record<string, string>, captures: number, all: number, steps: ShownStep[],
+ *   n: number}} Head
  */
 
 /**
  * What a page holds in itself: columns, of each step its residual and what each candidate explains.
  * @typedef {{unit: string, peak: number, below_hz: number | null, coordinate: "rotary" | "linear",
- *   noise: number | null, titles: Record<string, string>, all: number, steps: ShownStep[], n: number,
- *   columns: Record<string, Packed>, residuals: Packed[], signatures: Record<string, Packed>[]}} Kept
+ *   noise: number | null, titles: Record<string, string>, captures: number, all: number, steps: ShownStep[],
+ *   n: number, columns: Record<string, Packed>, residuals: Packed[], signatures: Record<string, Packed>[]}} Kept
  */
 
 /**

@@ -6,6 +6,15 @@ import { listed, titleOf } from "./names.js";
 /** @typedef {import("./types.js").State} State */
 
 /**
+ * Whether it is known what to record next: what could be missing is weighed, or a search has come to its end, after
+ * which the rest is weighed for minutes.
+ * @param {Pick<State, "candidates" | "concluded" | "node">} state
+ */
+export function tellsNext({ candidates, concluded, node }) {
+  return node !== null && (candidates.ready || concluded.length > 0);
+}
+
+/**
  * What is to be done before a motion is designed, or recorded in its place: for a model that lacks something it would
  * only make known better what is wrong. Nothing where captures could not tell effects apart.
  * @param {Pick<State, "candidates" | "record" | "shown_along" | "untold">} state
@@ -14,6 +23,15 @@ export function insteadOf({ candidates, record, shown_along: along, untold }) {
   if (untold.length > 0 && along === null) return "";
   if (candidates.rows.some(({ could_be: could }) => could)) return "What to record next is known once what is missing is in the model.";
   return record ? `What to record next, to see what it is: ${record}.` : "";
+}
+
+/**
+ * What a motion would be for that nobody has asked for yet, within limits that are looked at.
+ * @param {Pick<State, "candidates" | "record" | "shown_along" | "untold">} state
+ */
+export function purposeOf(state) {
+  const known = "For the motion after which that is known better which is known least.";
+  return insteadOf(state) || (state.untold.length > 0 ? "For the motion that tells apart what these captures cannot." : known);
 }
 
 /**

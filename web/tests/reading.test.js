@@ -66,13 +66,25 @@ test("a headline says what was added to the model that it is of", () => {
 
 test("what to record next waits for what is missing, and says in words what shows more of what has no name", async () => {
   globalThis.location = /** @type {any} */ ({ search: "" });
-  const { insteadOf } = await import("../src/untold.js");
+  const { insteadOf, purposeOf } = await import("../src/untold.js");
   const state = (/** @type {boolean} */ could, /** @type {string | null} */ record, /** @type {string[][]} */ untold = []) =>
     insteadOf(/** @type {any} */ ({ candidates: { rows: [{ could_be: could }] }, record, shown_along: record && !untold.length ? "position" : null, untold }));
   assert.match(state(true, null), /once what is missing is in the model/);
   assert.equal(state(false, "slow passes"), "What to record next, to see what it is: slow passes.");
   assert.equal(state(false, null), "", "where nothing is missing a motion is designed");
   assert.equal(state(true, null, [["detent", "return_spring"]]), "", "and where effects look alike");
+  // Within limits that are looked at before one is designed it is said what for.
+  const purpose = (/** @type {string[][]} */ untold) => purposeOf(/** @type {any} */ ({ candidates: { rows: [] }, record: null, shown_along: null, untold }));
+  assert.match(purpose([]), /known least/);
+  assert.match(purpose([["detent", "return_spring"]]), /tells apart/);
+});
+
+test("what to record next is said as soon as it is concluded, and not when all the rest is weighed as well", async () => {
+  globalThis.location = /** @type {any} */ ({ search: "" });
+  const { tellsNext } = await import("../src/untold.js");
+  const tells = (/** @type {boolean} */ ready, /** @type {string[]} */ concluded, node = /** @type {string | null} */ ("n1")) =>
+    tellsNext(/** @type {any} */ ({ candidates: { ready }, concluded, node }));
+  assert.deepEqual([tells(false, []), tells(true, []), tells(false, ["Cogging found"]), tells(true, [], null)], [false, true, true, false]);
 });
 
 test("a motion is offered for what has no name where one shows more of it, and none while something is missing", async () => {

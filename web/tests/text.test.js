@@ -5,11 +5,11 @@ import { limits, tickWords } from "../src/axes.js";
 import { factorOf, lettered } from "../src/curve.js";
 import { enoughWords, limitWords, ofLimits } from "../src/evidence.js";
 import { latest } from "../src/latest.js";
-import { momentWords } from "../src/acting.js";
+import { firstFitted, momentWords } from "../src/acting.js";
 import { restWords } from "../src/candidates.js";
 import { apart, plusMinus, withoutName } from "../src/params.js";
 import { shownLimit, wider } from "../src/within.js";
-import { asKnown, figure, number, percent, thousands, ticks, torqueScale, torqueWord } from "../src/numbers.js";
+import { asKnown, figure, number, percent, thousands, ticks, torqueScale, torqueWord, unitOf } from "../src/numbers.js";
 
 test("a tick has no more digits than it needs, and a curve is over what a person calls a variable", () => {
   assert.deepEqual([5e-5, -1e-4, 1.25e-7, 0, 0.25, 150].map(tickWords), ["5e−5", "−1e−4", "1.25e−7", "0", "0.25", "150"]);
@@ -56,10 +56,19 @@ test("at a moment to which nothing is fitted an effect adds nothing that is know
   assert.equal(momentWords(Math.fround(0.0002), 0.0012, scale), "0.0002 s: adds 1.2 mNm");
   assert.equal(momentWords(0, NaN, scale), "0 s: nothing is fitted to this moment");
   assert.equal(momentWords(12.34567, null, scale), "12.35 s: what it adds is not weighed here");
+  // So its picture begins where there is something to see.
+  assert.deepEqual([[NaN, NaN, 0, 1], [2, NaN], [NaN]].map((one) => firstFitted(Float32Array.from(one))), [2, 0, 0]);
 });
 
 test("what comes after nothing is not counted as more", () => {
   assert.deepEqual([restWords(3, 5), restWords(3, 3)], ["3 more", "3 weighed"]);
+});
+
+test("a letter of a law has the unit of what was recorded", () => {
+  const units = ["N m", "N m s^2/rad", "N m/rad", "rad", "1", "N m s/rad"].map((unit) => unitOf(unit, "V"));
+  assert.deepEqual(units, ["V", "V s^2/rad", "V/rad", "rad", "1", "V s/rad"]);
+  assert.deepEqual(["N", "N s/m", "m"].map((unit) => unitOf(unit, "A")), ["A", "A s/m", "m"]);
+  assert.equal(unitOf("N m/rad", "N m"), "N m/rad");
 });
 
 test("ticks are round and inside the limits", () => {

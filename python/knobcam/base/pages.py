@@ -356,7 +356,7 @@ class ShownStep(TypedDict):
 
 
 class Shown(TypedDict):
-    """What linked plots show: models held against captures of `all` samples, torques up to `peak`.
+    """What linked plots show: models held against so many captures of `all` samples, torques up to `peak`.
 
     `titles` are those of all effects; `below_hz` as of `Session`.
     """
@@ -367,6 +367,7 @@ class Shown(TypedDict):
     coordinate: Literal["rotary", "linear"]
     noise: float | None
     titles: dict[str, str]
+    captures: int
     all: int
     steps: list[ShownStep]
 

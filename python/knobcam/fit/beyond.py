@@ -33,9 +33,8 @@ def beyond(fit: Fit) -> Beyond | None:
     """Return waves of a torque that the filter takes off and the model lacks, or a band left out."""
     for one in fit.prepared:
         if one.core.incoherent is not None:
-            words = (
-                f"what is faster than {one.core.incoherent[0]:.3g} Hz, of which the recorded motion is wrong"
-            )
+            edge = f"{one.core.incoherent[0]:.3g} Hz"
+            words = f"what is faster than {edge}, where the recorded motion cannot be trusted"
             return Beyond(words, "frequency", 1.0)
         ripple = one.core.taken_off(fit.model.core.torque(one.core, False)) if one.core.lost else None
         if ripple is not None:

@@ -35,7 +35,7 @@ _UNITS = {
     "history": ("rad", "m"),
 }
 _NEARLY = 99.95  # per cent, which a decimal rounds up to all
-_MANY = 100.0  # noise floors, from which on a hundredth of one is nothing
+_MANY = 10.0  # noise floors, from which on chance makes no more than a hundredth of the squared error
 _ROUNDING = 1e-6  # of the torque: what is smaller is not left by a model
 # What any residual fills as well, whatever its cause, leads only with clearly more than the others.
 _WEIGHT = {"frequency": RULE.frequency_leads, "time": RULE.time_leads}
@@ -240,15 +240,15 @@ class Comparison(showing.Tabled):
         if self.complete:
             end = "{head}: {times:.3f} times the noise floor of {floor}, and chance explains it."
             return said(end, head=head, times=times, floor=floor)
+        if times >= _MANY:  # how many times then tells nobody anything
+            end = "{head}; noise alone would leave {floor}, so hardly any of it is chance{where}."
+            where = ", and no axis shows where" if self.worst is None else ""
+            return said(end, head=head, floor=floor, where=where)
         if self.worst is None:
             end = "{head}: {times:.3f} times the noise floor of {floor}, and no axis shows where."
             return said(end, head=head, times=times, floor=floor)
-        return said(
-            "{head}: {times} times the noise floor of {floor}.",
-            head=head,
-            times=in_floors(times),
-            floor=floor,
-        )
+        end = "{head}: {times:.2f} times the noise floor of {floor}."
+        return said(end, head=head, times=times, floor=floor)
 
     @property
     def place(self) -> Said | None:

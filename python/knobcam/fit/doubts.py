@@ -156,11 +156,12 @@ def _back_emf(fit: Fit) -> list[str]:
     names = [name for name, e in own.items() if e.unit == per_speed(fit)]
     if fit.torque_unit not in VOLTAGES or not names or fit.constants:
         return []
-    what = f"hold the motor's back-EMF beside its friction, unless the {fit.torque_unit} command a current"
+    read = "voltage" if fit.torque_unit == "V" else "duty cycle"
+    what = f"hold the motor's back-EMF beside its friction, unless the {read} commands a current"
     way = (
         "kt and the resistance" if fit.torque_unit == "V" else "in V (tau=duty*SUPPLY), kt and the resistance"
     )
-    return [f"{' and '.join(names)} {what}: {way} part them"]
+    return [f"{' and '.join(names)} {what}: {way} tell them apart"]
 
 
 def at_bounds(fit: Fit) -> dict[str, float]:

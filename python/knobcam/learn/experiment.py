@@ -125,7 +125,7 @@ class Experiment(showing.Tabled):
             return None
         worst = min(told, key=lambda one: one.d)
         return said(
-            "{seconds:.3g} s tell {names} apart (the wrong one is chosen in {wrong})",
+            "{seconds:.3g} s tell {names} apart (the wrong one is chosen in {wrong} of cases)",
             seconds=self.seconds,
             names=self._every if len(told) == len(self.expected) else self._names(worst),
             wrong=_percent(worst.wrong_choice),

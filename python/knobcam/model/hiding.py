@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 _NOT_NAMED = {
     "detent": "it belongs to the base model, which is fitted with it where it shows",
     "karnopp": "it does not show in a prediction from motion",
-    "offset": "the two Coulomb levels take it up",
+    "offset": "the dry friction of the two directions takes it up",
 }
 """Effects that no search names, and why."""
 LEAST = 1.6

@@ -342,7 +342,8 @@ def _remains(learned: LearningResult) -> str:
         parts.append(figure(learned.after.plot(), said))
     if learned.disagreements:
         parts.append("<h3>Where the captures disagree</h3>")
-        parts.append(bullets(f"{one.sentence}." for one in learned.disagreements))
+        axis = learned.model.coordinate
+        parts.append(bullets(f"{sentence(one.sentence, axis)}." for one in learned.disagreements))
     return "\n".join(parts)
 
 

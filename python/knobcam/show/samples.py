@@ -83,6 +83,7 @@ def head(shown: Sequence[Shown]) -> pages.Shown:
         "coordinate": last.model.coordinate,
         "noise": last.noise_floor,
         "titles": titles(last.model.coordinate),
+        "captures": len(last.prepared),
         "all": sum(one.capture.samples for one in last.prepared),
         "steps": [step.document() for step in shown],
     }

@@ -8,6 +8,8 @@ const BOUND: f64 = 0.02;
 const SURE: f64 = 3.0;
 /// Standard errors that a value has to be more than, to be more than nothing.
 const UNSURE: f64 = 2.0;
+/// Powers of ten below which a number is written as it is read.
+const PLAIN: i32 = 6;
 
 /// Surroundings of fitted values; SI.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -59,6 +61,12 @@ impl Context {
         }
     }
 
+    /// A way along the axis in two digits, with its unit.
+    pub fn way(&self, length: f64) -> String {
+        let unit = if self.revolution.is_some() { "rad" } else { "m" };
+        format!("{} {unit}", short(length, 2))
+    }
+
     /// Range of positions that the samples go through, rad.
     pub fn travel(&self) -> f64 {
         let ends = |(low, high): (f64, f64), x: &f64| (low.min(*x), high.max(*x));
@@ -92,6 +100,10 @@ pub fn short(x: f64, digits: usize) -> String {
     if (-4..digits as i32).contains(&power) {
         return trimmed(&format!("{:.*}", (digits as i32 - 1 - power).max(0) as usize, x));
     }
+    if (digits as i32..PLAIN).contains(&power) {
+        let step = 10_f64.powi(power + 1 - digits as i32);
+        return format!("{:.0}", (x / step).round() * step);
+    }
     let sign = if power < 0 { '-' } else { '+' };
     format!("{}e{sign}{:02}", trimmed(mantissa), power.abs())
 }
@@ -102,8 +114,8 @@ mod tests {
 
     #[test]
     fn a_short_number_reads_as_people_write_it() {
-        let written = [0.01234, 1.0, 0.5, 123.4, 2.96e-5, 9.96, -0.25, 0.0];
-        let read = ["0.012", "1", "0.5", "1.2e+02", "3e-05", "10", "-0.25", "0"];
+        let written = [0.01234, 1.0, 0.5, 123.4, -99_600.0, 2.96e6, 2.96e-5, 9.96, -0.25, 0.0];
+        let read = ["0.012", "1", "0.5", "120", "-100000", "3e+06", "3e-05", "10", "-0.25", "0"];
         assert_eq!(written.map(|x| short(x, 2)), read);
     }
 

@@ -1,6 +1,6 @@
 //! Detents: evenly spaced valleys that the knob falls into.
 
-use super::{Base, Carrier, Context, Effect, LoadEffect, Over, Survey, Wave, Words, short};
+use super::{Base, Carrier, Context, Effect, LoadEffect, Over, Survey, Wave, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::prelude::*;
@@ -53,7 +53,7 @@ impl Effect<3> for Detent {
         if pitch <= LONGEST * context.travel() {
             return Vec::new();
         }
-        vec![format!("a detent is {} long, more than twice the way: it is a spring", short(pitch, 2))]
+        vec![format!("a detent is {} long, more than twice the way: it is a spring", context.way(pitch))]
     }
 
     fn typical(carrier: &Carrier<'_>) -> [f64; 3] {
@@ -85,9 +85,9 @@ mod tests {
 
     #[test]
     fn one_of_which_less_than_half_was_seen_is_a_spring() {
-        let context = Context { theta: vec![-1.0, 2.0], ..Context::default() };
+        let context = Context { theta: vec![-1.0, 2.0], revolution: Some(1.0), ..Context::default() };
         assert!(Detent::implausible(&[0.1, 0.9, 0.0], &context).is_empty());
         let said = Detent::implausible(&[0.1, -1.0, 0.0], &context);
-        assert_eq!(said, ["a detent is 6.3 long, more than twice the way: it is a spring"]);
+        assert_eq!(said, ["a detent is 6.3 rad long, more than twice the way: it is a spring"]);
     }
 }

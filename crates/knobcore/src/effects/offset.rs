@@ -31,7 +31,7 @@ impl Effect<1> for Offset {
     const OVER: Over = Over::Torque;
     const TAKEN_UP: Option<TakenUp> = Some(TakenUp {
         by: &["coulomb.neg", "coulomb.pos"],
-        why: "a constant torque is what the difference of the Coulomb levels makes",
+        why: "a constant torque is what dry friction that differs between the directions makes",
     });
     const EVERY_RUN: bool = true;
     const PARAMS: [Param; 1] = [Param::linear("tau0", Unit::of(1, 0, 0), "constant torque").of_a_run()];

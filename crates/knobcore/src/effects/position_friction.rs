@@ -61,7 +61,7 @@ impl Effect<9> for PositionFriction {
     const SCAN: Option<Wave> = Some(Wave::Friction);
     const PARAMS: [Param; 9] = [
         Param::shape("P", Unit::of(0, 1, 0), [1e-6, 1e6], 1.0, "period over 2 pi"),
-        wave("a1", "sine once per period, a share of Coulomb"),
+        wave("a1", "sine once per period, a share of the dry friction"),
         wave("b1", "cosine once per period"),
         wave("a2", "sine twice per period"),
         wave("b2", "cosine twice per period"),

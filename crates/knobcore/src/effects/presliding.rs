@@ -1,6 +1,6 @@
 //! Presliding: friction builds up over a distance after each reversal.
 
-use super::{Carrier, Context, Effect, Id, MemoryEffect, Over, Survey, Words, apart, short};
+use super::{Carrier, Context, Effect, Id, MemoryEffect, Over, Survey, Words, apart};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::prelude::*;
@@ -82,7 +82,7 @@ impl Effect<7> for Presliding {
     /// It ends within a small part of the way, and takes longer than the sensors' step.
     fn implausible(p: &[f64; 7], context: &Context) -> Vec<String> {
         let Some(mean) = Self::builds_up_over(p) else { return Vec::new() };
-        let over = short(mean, 2);
+        let over = context.way(mean);
         if mean > FAR * context.travel() {
             return vec![format!("it takes {over} to slip, a good part of the way: it is a spring")];
         }

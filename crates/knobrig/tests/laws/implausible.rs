@@ -83,9 +83,9 @@ fn a_second_series_is_bound_neither_to_the_detents_nor_to_the_turn() {
 fn presliding_is_shorter_than_the_way_and_longer_than_two_samples_after_a_reversal() {
     let over = |s: f64| said(Id::Presliding, &[s, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0], &context());
     assert_eq!(over(0.1), "");
-    assert_eq!(over(1.0), "it takes 1 to slip, a good part of the way: it is a spring");
+    assert_eq!(over(1.0), "it takes 1 rad to slip, a good part of the way: it is a spring");
     // a t^2/2 at 100 rad/s^2: 2e-6 rad a sample from rest.
-    assert!(over(7e-6).starts_with("it slips within 7e-06, less than two samples"));
+    assert!(over(7e-6).starts_with("it slips within 7e-06 rad, less than two samples"));
     assert_eq!(over(9e-6), "");
 }
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from ...fit.compare import in_floors
 from ...fit.doubts import at_floor
 from ..words import effect_word, p_word, sentence
 from .style import (
@@ -111,7 +112,7 @@ def _rest(axes: Axes, learned: LearningResult, row: int, scale: Scale) -> None:
         axes.barh(row, left - chance, left=chance, height=0.6, color=WRONG, lw=0)
     said = f"{number(left)} {scale.unit}"
     if math.isfinite(floor) and floor > 0.0:
-        said += f" = {step.rmse / floor:.2f} × noise"
+        said += f" = {in_floors(step.rmse / floor)} × noise"
     _say(axes, max(left, floor * scale.factor if math.isfinite(floor) else left), row, said)
 
 

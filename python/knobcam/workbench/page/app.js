@@ -162,6 +162,9 @@ var SHORT = { "N s^2/m": "kg", "N m s^2/rad": "kg m²", 1: "" };
 function unitWords(unit) {
   return SHORT[unit] ?? unit.replaceAll("^2", "²").replaceAll("^3", "³");
 }
+function unitOf(unit, torque) {
+  return unit.replace(/^N(?: m)?(?=[ /]|$)/, torque);
+}
 function scaleOf(unit, about2) {
   const torque = torqueScale(about2);
   const own = !(unit in SHORT) && (unit === about2.unit || unit.startsWith(`${about2.unit} `) || unit.startsWith(`${about2.unit}/`));
@@ -669,7 +672,7 @@ function showCaptures(place4, state, { use, close }) {
   place4.dataset.shown = key2;
   if (captures.length === 1) {
     const [only] = captures;
-    place4.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only, about2, only.name), facts(only)));
+    place4.replaceChildren(make("span", { class: "capture", title: `${only.name}:${facts(only)}` }, ...words(only, about2, only.name), make("span", { class: "facts", text: facts(only) })));
     return;
   }
   const short2 = shortNames(captures.map(({ name: name2 }) => name2));
@@ -1129,10 +1132,17 @@ function element([tag, attributes, ...children]) {
 }
 
 // src/untold.js
+function tellsNext({ candidates, concluded, node }) {
+  return node !== null && (candidates.ready || concluded.length > 0);
+}
 function insteadOf({ candidates, record, shown_along: along, untold }) {
   if (untold.length > 0 && along === null) return "";
   if (candidates.rows.some(({ could_be: could }) => could)) return "What to record next is known once what is missing is in the model.";
   return record ? `What to record next, to see what it is: ${record}.` : "";
+}
+function purposeOf(state) {
+  const known2 = "For the motion after which that is known better which is known least.";
+  return insteadOf(state) || (state.untold.length > 0 ? "For the motion that tells apart what these captures cannot." : known2);
 }
 function waitsFor(state) {
   return insteadOf(state) !== "" && state.shown_along === null;
@@ -1631,6 +1641,9 @@ function momentWords(seconds2, torque, { factor: factor2, unit }) {
   if (torque === null) return `${at}what it adds is not weighed here`;
   return at + (Number.isFinite(torque) ? `adds ${number(torque * factor2)} ${unit}` : "nothing is fitted to this moment");
 }
+function firstFitted(column) {
+  return Math.max(0, column.findIndex((one) => Number.isFinite(one)));
+}
 function acting(effect, { data, at, added }) {
   const { t } = data.columns;
   const canvas = make("canvas", { class: "section", role: "img", "aria-label": SEEN2[kindOf(effect)] });
@@ -1686,6 +1699,8 @@ function acting(effect, { data, at, added }) {
   added().then(
     (column) => {
       motion = new Motion(data.columns, column);
+      if (at === null && column && slider.value === "0") slider.value = String(firstFitted(column));
+      if (playing) run(true);
       draw2();
     },
     () => {
@@ -1729,7 +1744,7 @@ var AnyEffect = class {
     this.absent = absent;
   }
 };
-function about(effect, shown2) {
+function about(effect, shown2, torque) {
   const { effect: id, place: place4, source, shows, name: name2, about: sentence2, causes, remedies } = effect;
   const drawing = make("p", { class: "soft", text: "The picture is being drawn …" });
   const frame = make("div", { class: "picture", role: "status" }, drawing);
@@ -1738,7 +1753,7 @@ function about(effect, shown2) {
   byId("about-text").replaceChildren(
     make("p", { text: sentence2 }),
     lawOf(effect),
-    meanings2(effect),
+    meanings2(effect, torque),
     shown2 ? acting(effect, shown2) : "",
     make("div", { class: "columns-of-two" }, listed2("Usual causes", causes), listed2("What helps", remedies)),
     make("p", { class: "soft", text: `Acts on the ${PLACES[place4] ?? place4}. Shows ${shows}. Source: ${source}.` }),
@@ -1757,8 +1772,9 @@ function about(effect, shown2) {
     (reason2) => frame.replaceChildren(make("p", { class: "wrong", text: wordsOf(reason2) }))
   );
 }
-function meanings2({ letters, latex }) {
-  const rows = letters.map(({ names, meaning, unit }) => make("li", {}, lettersOf(names, latex), ` ${meaning}`, unitWords(unit) ? `, ${unitWords(unit)}` : ""));
+function meanings2({ letters, latex }, torque) {
+  const written = (unit) => unitWords(unitOf(unit, torque));
+  const rows = letters.map(({ names, meaning, unit }) => make("li", {}, lettersOf(names, latex), ` ${meaning}`, written(unit) ? `, ${written(unit)}` : ""));
   const own = letters.flatMap(({ names }) => names);
   rows.push(...othersIn(latex, own).map(([tex, words4]) => make("li", {}, printed(tex), ` ${words4}`)));
   return rows.length > 0 ? make("ul", { class: "letters soft", "aria-label": "letters of the law" }, ...rows) : "";
@@ -1821,7 +1837,7 @@ function bars({ names, d, standard_d, wrong_choice, came }, about2, told) {
   };
   const wrong = wrong_choice < 1e-4 ? "less than 0.01 %" : `${number(100 * wrong_choice, 2)} %`;
   return [
-    make("p", {}, make("strong", {}, ...nodes(names[0], about2), " or ", ...nodes(names[1], about2)), `: the wrong one is chosen in ${wrong}`),
+    make("p", {}, make("strong", {}, ...nodes(names[0], about2), " or ", ...nodes(names[1], about2)), `: the wrong one is chosen in ${wrong} of cases`),
     row("this motion", d, "promised"),
     row("best standard motion", standard_d, "standard"),
     ...came === null ? [] : [row("what came", came, "came")]
@@ -4724,8 +4740,8 @@ var Next = class {
     if (this.state?.node !== state.node) [this.effects, this.sharpen] = [void 0, ""];
     this.state = state;
     showUntold(byId("untold"), state, (effects) => this.design(effects), this.deeds.drop);
-    const { experiment, node, recording, candidates } = state;
-    byId("next-line").hidden = experiment === null && !(candidates.ready && node !== null);
+    const { experiment, node, recording } = state;
+    byId("next-line").hidden = experiment === null && !tellsNext(state);
     const instead = experiment === null ? insteadOf(state) : "";
     byId("next-show").textContent = experiment ? "Next experiment…" : instead ? "Design that motion…" : "What to record next…";
     byId("next-show").hidden = experiment === null && waitsFor(state);
@@ -4737,7 +4753,7 @@ var Next = class {
       byId("next-said").textContent = instead;
       for (const id of ["next-time", "next-verdict"]) byId(id).textContent = "";
       const { asked: asked2 } = this;
-      byId("next-headline").replaceChildren(...asked2.length > 1 ? ["For a motion that tells apart ", ...allOf(asked2), "."] : [instead]);
+      byId("next-headline").replaceChildren(...asked2.length > 1 ? ["For a motion that tells apart ", ...allOf(asked2), "."] : [purposeOf(state)]);
       byId("next-again").textContent = this.waits ? "Keep" : "Design";
       return;
     }
@@ -5235,7 +5251,7 @@ function sources(heard) {
     } catch (reason2) {
       wait(false);
       fault = reason2 instanceof Refusal && reason2.fault ? reason2.fault.code : null;
-      told.textContent = reason2 instanceof Refusal && reason2.fault ? reason2.fault.told : wordsOf(reason2);
+      told.textContent = reason2 instanceof Refusal && reason2.fault ? reason2.fault.told : asCalled(form, wordsOf(reason2));
       byId("new-fault").hidden = fault === null;
     }
   };
@@ -5246,6 +5262,11 @@ function preparing(what) {
     byId("new-dialog")
   );
   byId("new-doing").textContent = open ? `${what} …` : "";
+}
+function asCalled(form, words4) {
+  const [, name2 = "", value, rest] = /^(\w+)=(.*?): (.*)$/s.exec(words4) ?? [];
+  const label = form.querySelector(`[name="${name2}"]`)?.closest("label")?.querySelector("span")?.textContent;
+  return label ? `${label}${value === "''" ? "" : ` = ${value}`}: ${rest}` : words4;
 }
 function wanted(form) {
   const body = {};
@@ -5707,7 +5728,7 @@ var App = class {
       const how = { verb: "signature", asked: { effect: effect.effect, own: "" } };
       return this.store.explained(node, state.active, `${effect.effect} alone`, how);
     };
-    about(effect, data && node ? { data, at: this.linked.torques[0].marked, added } : null);
+    about(effect, data && node ? { data, at: this.linked.torques[0].marked, added } : null, state?.unit ?? "N m");
   }
   /** @param {Job | null} job */
   showJob(job) {
