@@ -58,7 +58,7 @@ def off_by_law(fit: Fit) -> float:
 
 
 def _knocks_or_builds_up(fit: Fit) -> bool:
-    """Whether a play is among the effects, or friction that builds up: what a knock or a reversal leaves behind."""
+    """Whether a play is among the effects, or friction that builds up: what knocks and reversals leave."""
     catalogue = fit.model.catalogue()
     rows = (catalogue[one] for one in fit.model.effects)
     return any(row.section == "gap" or row.over == "reversal" for row in rows)

@@ -34,8 +34,14 @@ impl Effect<2> for FrictionDrift {
         latex: r"C_{\pm} \left(1 + r\,e^{-t/T}\right) \operatorname{sgn}\omega",
     };
     const PARAMS: [Param; 2] = [
-        Param::shape("rise", Unit::NUMBER, [-0.99, 100.0], 0.0, "excess at the start, a share of the dry friction")
-            .of_a_run(),
+        Param::shape(
+            "rise",
+            Unit::NUMBER,
+            [-0.99, 100.0],
+            0.0,
+            "excess at the start, a share of the dry friction",
+        )
+        .of_a_run(),
         Param::shape("tau", Unit::of(0, 0, 1), [1e-3, 1e6], 1.0, "time constant"),
     ];
 

@@ -44,8 +44,14 @@ impl Effect<3> for Stribeck {
     };
     const OVER: Over = Over::Velocity;
     const PARAMS: [Param; 3] = [
-        Param::shape("rise", Unit::NUMBER, [-0.99, 100.0], 0.0, "rise towards rest, a share of the dry friction")
-            .plausibly(0.0, f64::INFINITY),
+        Param::shape(
+            "rise",
+            Unit::NUMBER,
+            [-0.99, 100.0],
+            0.0,
+            "rise towards rest, a share of the dry friction",
+        )
+        .plausibly(0.0, f64::INFINITY),
         Param::shape("vs", Unit::of(0, 1, -1), [1e-6, 1e6], 1.0, "Stribeck speed"),
         Param::shape("delta", Unit::NUMBER, [0.25, 4.0], 1.0, "sharpness of the fall"),
     ];

@@ -174,7 +174,10 @@ mod tests {
             let (swing, model) = swung(Id::Compliance, begins);
             let found = begun(&swing, &model, 1e-4).unwrap();
             let [(0, [ahead, faster])] = found.begins[..] else { panic!("{:?}", found.begins) };
-            assert!((ahead - begins[0]).abs() < 1e-7 && (faster - begins[1]).abs() < 1e-4, "{ahead} {faster}");
+            assert!(
+                (ahead - begins[0]).abs() < 1e-7 && (faster - begins[1]).abs() < 1e-4,
+                "{ahead} {faster}"
+            );
             // What says nothing new says nothing.
             assert!(begun(&found, &model, 1e-4).is_none());
         }

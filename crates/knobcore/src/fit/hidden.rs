@@ -1,6 +1,5 @@
 //! Captures along the motion of the knob that a joint hides.
 
-pub use super::begun::begun;
 use crate::chain;
 use crate::effects::{Id, Joint, Place};
 use crate::model::Model;

@@ -1,6 +1,6 @@
 //! From prepared signals to parameters with intervals.
 
-mod begun;
+pub mod begun;
 mod bootstrap;
 mod detents;
 mod expected;
@@ -24,7 +24,7 @@ mod uneven;
 mod worth;
 
 pub use expected::Expected;
-pub use hidden::{begun, behind, knocks, loads};
+pub use hidden::{behind, knocks, loads};
 pub use moments::Moments;
 pub(crate) use moments::{add_products, evaluate, residuals, used};
 pub use orders::beside as beside_orders;
