@@ -74,7 +74,8 @@ fn screened(told: &mut Answers, name: &str, data: &[&Signals], model: &Model, no
         promised(told, &what, &starts);
         if let Some(best) = starts.first().filter(|_| id.info().scan.is_some()) {
             // Behind a joint its fifth digit is the instruction set's.
-            let short = |x: f64| format!("{x:.3e}").parse().unwrap_or(x);
+            let behind = model.is_coupled();
+            let short = |x: f64| if behind { format!("{x:.3e}").parse().unwrap_or(x) } else { x };
             told.numbers("  best", best.model.values().into_iter().map(short));
         }
         for (how, more) in
