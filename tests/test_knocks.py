@@ -76,7 +76,7 @@ def test_a_play_that_came_in_with_another_effect_is_looked_beside_though_it_was_
 @pytest.mark.parametrize(
     "there, uneven, effect, of_knocks",
     [
-        ({}, 0.6, "presliding", True),
+        ({}, 0.8, "position_friction", True),
         ({"torque_lag__lag": 1e-3}, 0.0, "torque_lag", False),
         ({"quadratic_drag__d": 4e-4}, 0.3, "quadratic_drag", False),
     ],
