@@ -3,17 +3,22 @@
 import tempfile
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import hidden
 import numpy as np
+from hidden.sensors import RATE_HZ
 from strata import Stratum
 
 import knobcam as kc
 
 # One sample of delay at the rig's rate, s.
 SAMPLE_S = 2e-4
+# What depends on all that came before, and how much of that no log has, s.
+REMEMBERING = ("backlash", "compliance", "presliding")
+LEAD_S = 1.0
 # A constant torque is told from a difference of the two Coulomb levels by nothing but convention: under these
 # effects, which bring one, the levels themselves are not examined.
 WITH_A_CONSTANT = {"position_polynomial", "return_spring", "unbalance", "torque_drift"}
@@ -70,6 +75,8 @@ class Case(NamedTuple):
                 return hidden.make(self.seed, [self.topic, beside(self.seed)], at_shaft=True)
             case "lag":
                 return hidden.make(self.seed, ["torque_lag"], size=SAMPLE_S)
+            case "moving":
+                return in_motion(hidden.make(self.seed, [self.topic]))
             case _:
                 return hidden.make(self.seed, [self.topic])
 
@@ -85,7 +92,15 @@ def cases(seeds: int, first: int) -> list[Case]:
     every += some("shaft", "backlash", 3) + some("shaft", "compliance", 3)
     every += [case for name in hidden.STRANGE for case in some("strange", name)]
     every += [case for name in hidden.NAMED for case in some("left-out", name)]
+    every += [case for name in REMEMBERING for case in some("moving", name, 2)]
     return every + some("lag", "sample", 2)
+
+
+def in_motion(knob: hidden.Hidden) -> hidden.Hidden:
+    """The capture without its beginning: no simulation knows where the knob was when the log begins."""
+    rows = round(LEAD_S * RATE_HZ)
+    kept = {name: column[rows:] for name, column in knob.capture.items()}
+    return replace(knob, capture=kept | {"t_s": kept["t_s"] - kept["t_s"][0]})
 
 
 def several(seed: int) -> list[str]:

@@ -69,10 +69,10 @@ class Target(NamedTuple):
 
 def targets(rows: list[Row]) -> list[Target]:
     """The lines of the sittings that were held."""
-    sittings = ("single", "several", "faultless", "strange", "left-out", "lag")
+    sittings = ("single", "several", "faultless", "strange", "left-out", "lag", "moving")
     by = {name: [row for row in rows if row["sitting"] == name] for name in sittings}
     single, several, nameless = by["single"], by["several"], by["strange"] + by["left-out"]
-    named = single + several
+    named, moving = single + several, by["moving"]
     worst = min((percent(own, lambda row: row["first"]) for _, own in _by_topic(single)), default=np.nan)
     errors = [row["error"] for row in named + by["faultless"]]
     floors = [abs(row["floor"] - 1.0) for row in rows]
@@ -82,6 +82,7 @@ def targets(rows: list[Row]) -> list[Target]:
         Target("right effect first, worst effect, %", 85, 100, worst),
         Target("exactly the right set of one, %", 95, 100, percent(single, lambda row: row["exact"])),
         Target("exactly the right set of 2 or 3, %", 80, 100, percent(several, lambda row: row["exact"])),
+        Target("exactly the one of a log in motion, %", 95, 100, percent(moving, lambda row: row["exact"])),
         Target("faultless knobs accused, %", 0, 3, percent(by["faultless"], accused)),
         Target("nameless: unexplained, %", 90, 100, percent(nameless, unexplained)),
         Target("nameless: confidently wrong name, %", 0, 5, percent(nameless, lambda row: row["wrong"])),
@@ -140,7 +141,7 @@ def said(row: Row) -> str:
 def answered(row: Row) -> bool:
     """Whether the answer is right in its sitting."""
     match row["sitting"]:
-        case "single" | "several":
+        case "single" | "several" | "shaft" | "moving":
             return bool(row["exact"])
         case "faultless":
             return not accused(row)
