@@ -21,7 +21,7 @@ from .described import documented
 from .doubts import unsettled
 from .plausible import implausible
 from .price import own, spared
-from .refit import cores, describe, percent, with_clipped
+from .refit import begun, cores, describe, gain, percent, with_clipped
 from .rule import RULE
 from .verdict import CHOSEN, COULD_BE, judged, off_by_law
 
@@ -343,6 +343,14 @@ def worth_adding(
     return _weighed(fit, out, progress)
 
 
+def _begun(candidate: Candidate) -> Candidate:
+    """Return a candidate; a joint with its knob where the first torques say that it began."""
+    before, fit = candidate.fit.before, candidate.fit
+    if before is None or before.model.joint is not None or (better := begun(fit)) is fit:
+        return candidate
+    return replace(candidate, fit=better, gain=gain(before, better, before))
+
+
 def check_effects(name: str, ids: Collection[str], coordinate: str) -> tuple[str, ...]:
     """Return the ids if they are in the catalogue; raise InputError that names the argument if not."""
     if isinstance(ids, str):
@@ -373,5 +381,5 @@ def _weighed(
         if core is not None
     ]
     left_out |= {one: note for one, core, *_, note in weighed if core is None}
-    found = [replace(one, implausible=implausible(one, fit)) for one in found]
+    found = [replace(one, implausible=implausible(one, fit)) for one in map(_begun, found)]
     return Diagnosis(fit, judged(fit.compare(), found), left_out, not worth)

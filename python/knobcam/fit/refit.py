@@ -132,7 +132,7 @@ def begun(fit: Fit) -> Fit:
     The same where they say that it goes along with the shaft, and without a joint.
     """
     for _ in range(_BEGINNINGS if fit.model.joint else 0):
-        found = [fit.core.model.begun(one.core, fit.noise_floor) for one in fit.prepared]
+        found = [fit.core.model.begun(one.core, max(fit.rmse, fit.noise_floor)) for one in fit.prepared]
         if not any(found):
             break
         parts = zip(fit.prepared, found, strict=True)
