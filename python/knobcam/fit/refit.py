@@ -64,11 +64,11 @@ def add(
     fit.model.with_effect(effect)  # says why not, if it does not go with the model
     fit = with_clipped(fit) if catalogued(effect, fit.model.coordinate).clips else fit
     if start:
-        return begun(converged(started(fit, effect, start)))
+        return converged(begun(started(fit, effect, start)))
     (_, core, _, _, _, note), *_ = _core.diagnose(cores(fit), fit.model.core, [effect], progress)
     if core is None:
         raise InputError(f"effect '{effect}': {note}")
-    return begun(converged(replace(fit, core=core, before=fit)))
+    return converged(begun(replace(fit, core=core, before=fit)))
 
 
 def started(fit: Fit, effect: str, start: Mapping[str, float], within: float = math.inf) -> Fit:
