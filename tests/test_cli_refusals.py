@@ -221,7 +221,7 @@ CALLS: dict[str, tuple[list[str], list[str]]] = {
         ["knobcam: --without: ", "'magic'"],
     ),
     "demo that hides what is there": (["demo", "--effect", "detent"], ["'detent'", "anyway"]),
-    "demo that hides what no capture shows": (["demo", "--effect", "offset"], ["'offset'", "Coulomb"]),
+    "demo that hides what no capture shows": (["demo", "--effect", "offset"], ["'offset'", "dry friction"]),
     "demo that hides a description": (["demo", "--effect", "wavelet"], ["'wavelet'", "whatever the cause"]),
     "demo that hides an unknown effect": (["demo", "--effect", "magic"], ["'magic'", "coulomb"]),
     "unknown effect": (["effects", "magic"], ["'magic'", "coulomb"]),
