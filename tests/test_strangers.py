@@ -116,7 +116,7 @@ def test_a_gap_makes_no_energy(name: str, load: Loads) -> None:
     stored = -load.detent * load.period * np.cos(flight.theta / load.period + load.phase)
     energy = kinetic + stored
     made = energy[1:] - energy[0] - given[:-1]
-    # A knock is told by the samples on either side of it, and its work taken with the shaft's velocities there.
+    # A knock is told by the samples on either side of it, its work taken with the shaft's velocities there.
     told = flight.knocked[1:] == 0.0
     assert np.max(made[told]) < 0.02 * np.max(kinetic)
 
