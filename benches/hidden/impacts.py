@@ -27,10 +27,14 @@ class Gap(NamedTuple):
 
 
 class Flight(NamedTuple):
-    """What is pressed through the contact, N m, and knocked, N m s, at each sample; the knob's motion."""
+    """What is pressed through the contact, N m, and knocked, N m s, at each sample; the knob's motion.
+
+    Of what is knocked from a sample to the next, `later` is the next one's by when it is.
+    """
 
     pressed: Floats
     knocked: Floats
+    later: Floats
     theta: Floats
     omega: Floats
 
@@ -43,7 +47,9 @@ def gapped(track: Track, p: Loads, gap: Gap, substeps: int = 40) -> Floats:
     knock = np.sin(
         np.pi * (np.arange(max(round(gap.lasts_s / dt), 1)) + 0.5) / max(round(gap.lasts_s / dt), 1)
     )
-    spread = np.convolve(flight.knocked, knock / knock.sum())[: len(track.t)] / dt
+    # Told by the samples on either side, so that a knock begins when it does.
+    told = flight.knocked - flight.later + np.append(0.0, flight.later[:-1])
+    spread = np.convolve(told, knock / knock.sum())[: len(track.t)] / dt
     return (1.0 - gap.share) * p.inertia * track.alpha + flight.pressed + spread
 
 
@@ -52,7 +58,7 @@ def fly(track: Track, p: Loads, gap: Gap, start: tuple[float, float], substeps: 
     memory = fresh(p.bristles, p.ageing, track.omega[0])
     sliding = p.bristles.sliding if len(p.bristles.shares) else 1.0
     many = len(track.t)
-    flight = Flight(*np.zeros((4, many)))
+    flight = Flight(*np.zeros((5, many)))
     _fly(*track, p, gap, start, substeps, sliding, np.zeros(len(p.weights)), memory, flight)
     return flight
 
@@ -97,10 +103,9 @@ def _fly(t, theta, omega, alpha, p, gap, start, substeps, sliding, slips, memory
                 closing = (speed - v) * wall
                 if closing > 0.0:
                     kept = gap.restitution * closing if closing > SETTLED else 0.0
-                    # Told by the samples on either side, so that it begins when it does.
                     knock = wall * inertia * (closing + kept)
-                    flight.knocked[i] += (1.0 - w) * knock
-                    flight.knocked[i + 1] += w * knock
+                    flight.knocked[i] += knock
+                    flight.later[i] += w * knock
                     v = speed + wall * kept
                     x = shaft - wall * gap.gap
                     if kept == 0.0:
