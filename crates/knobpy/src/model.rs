@@ -260,11 +260,11 @@ impl PyModel {
         Some(PySignals { prepared: Prepared { signals, ..all.clone() } })
     }
 
-    /// Signals whose knob behind a joint begins where their first torques say, beside which noise leaves `floor`, N m; None
-    /// where they say nothing new.
-    fn begun(&self, py: Python<'_>, signals: &PySignals, floor: f64) -> PyResult<Option<PySignals>> {
+    /// Signals whose knob behind a joint begins where their first torques say, where `rms` is left of them, N m; None where
+    /// they say nothing new.
+    fn begun(&self, py: Python<'_>, signals: &PySignals, rms: f64) -> PyResult<Option<PySignals>> {
         let all = &signals.prepared;
-        let found = watched(py, &self.0, || begun(&all.signals, &self.0, floor))?;
+        let found = watched(py, &self.0, || begun(&all.signals, &self.0, rms))?;
         Ok(found.map(|signals| PySignals { prepared: Prepared { signals, ..all.clone() } }))
     }
 

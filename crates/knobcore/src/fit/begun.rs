@@ -20,16 +20,16 @@ const LOOKED_AT_S: f64 = 0.5;
 const STEPS: usize = 6;
 const HALVES: usize = 4;
 
-/// A capture whose knob begins where its first torques say, by a model beside which noise leaves `floor`, N m; None where
+/// A capture whose knob begins where its first torques say, by a model that leaves `rms`, N m; None where
 /// they do not say better than it has it already, and without a joint.
-pub fn begun(signals: &Signals, model: &Model, floor: f64) -> Option<Signals> {
+pub fn begun(signals: &Signals, model: &Model, rms: f64) -> Option<Signals> {
     let values = model.values();
     let p = model.of_run(&signals.run, &values);
-    let joint = model.joint(&p).filter(|_| floor > 0.0)?;
+    let joint = model.joint(&p).filter(|_| rms > 0.0)?;
     let inertia = model.inertia().map_or(0.0, |at| p[at]);
     let rings = (joint.stiffness / (joint.share * inertia)).sqrt();
-    // What the noise leaves winds it up by so much.
-    let units = [floor / joint.stiffness, floor / joint.stiffness * rings];
+    // What is left winds it up by so much.
+    let units = [rms / joint.stiffness, rms / joint.stiffness * rings];
     if !units.iter().all(|unit| unit.is_finite() && *unit > 0.0) {
         return None;
     }
@@ -38,11 +38,11 @@ pub fn begun(signals: &Signals, model: &Model, floor: f64) -> Option<Signals> {
         let mut first = First::of(&mut found, model, passage.clone());
         let own = first.signals.follow(passage.start).begins;
         let along = first.along(&joint, (1.0 - joint.share) * inertia);
-        let ends = [own, along].map(|start| first.descended(start, units));
-        let Some((begins, squares)) = ends.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
-        // Two numbers have to pay, of noise that passes the filter.
+        let [from_own, from_along] = [own, along].map(|start| first.descended(start, units));
+        let (begins, squares) = if from_along.1 < from_own.1 { from_along } else { from_own };
+        // Two numbers have to pay, of what is left and passes the filter.
         let independent = 2.0 * signals.passes_hz() / signals.rate_hz;
-        let gain = (first.squares(own) - squares) / floor.powi(2) * independent;
+        let gain = (first.squares(own) - squares) / rms.powi(2) * independent;
         first.begin(if gain > 2.0 * rule().price { begins } else { own });
     }
     (found.begins != signals.begins).then_some(found)
