@@ -70,7 +70,7 @@ mod tests {
 
     #[test]
     fn a_joint_is_found_beside_friction_that_builds_up_to_which_a_fit_has_left_all_of_the_distance() {
-        let late = [("presliding.s", 1.5e-3), ("presliding.w1", 0.5), ("presliding.w2", 0.5)];
+        let late = [("presliding.s", 2.25e-3), ("presliding.w1", 0.5), ("presliding.w2", 0.5)];
         let joint = [("compliance.k", 10.0), ("compliance.d", 1e-3), ("compliance.share", 0.6)];
         let friction = [("coulomb.neg", 0.03), ("coulomb.pos", 0.03)];
         let truth = knob(&[Id::Presliding, Id::Compliance], &[&late[..], &joint[..], &friction[..]].concat());
