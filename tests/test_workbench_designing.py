@@ -312,7 +312,7 @@ def test_a_design_is_cancelled_while_it_says_how_far_it_is(
         ({"effects": RIVALS, "limits": {"omega": 1.0}}, "is no limit"),
         ({"effects": RIVALS, "limits": {"omega_rad_s": "fast"}}, "give a number"),
         ({"effects": RIVALS, "limits": {"omega_rad_s": -1.0}}, "give a number above 0"),
-        ({"effects": RIVALS, "limits": {"torque_Nm": 1e-7}}, "torque_Nm"),
+        ({"effects": RIVALS, "limits": {"torque_Nm": 1e-7, "duration_s": 2.0}}, "torque_Nm"),
         ({"effects": RIVALS, "limits": [1]}, "give an object"),
     ],
 )
