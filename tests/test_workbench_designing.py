@@ -184,6 +184,7 @@ def test_where_nothing_is_tied_the_next_motion_is_for_what_is_known_least(
     assert older.headline == design.headline and older.names == design.names
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_what_came_in_and_is_needless_beside_what_came_in_since_is_told_and_goes_by_a_button(
     client: httpx.Client, bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
