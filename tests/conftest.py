@@ -103,6 +103,15 @@ def braked() -> kc.Capture:
 
 
 @pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Reports in which only the words are as they are: pictures take seconds."""
+    for kind in ("report", "batch_report"):
+        monkeypatch.setattr(
+            f"knobcam.show.{kind}.figure", lambda drawn, caption: f"<figure>{caption}</figure>"
+        )
+
+
+@pytest.fixture
 def bench() -> Bench:
     """A workbench without its page."""
     return Bench()

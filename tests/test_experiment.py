@@ -23,6 +23,9 @@ from knobcam.learn.telling import Rival, Telling, wrong_choice
 
 LIMITS = Limits(0.1, 6.0, 80.0, -1.0, 2.0, duration_s=4.0, sample_rate_hz=2000.0)
 
+QUICK = {"duration_s": 4.0, "sample_rate_hz": 1000.0}
+"""Where no motion is possible, all are tried at every size: as well short ones, of few samples."""
+
 
 def test_every_motion_begins_and_ends_at_rest_and_keeps_to_the_limits() -> None:
     rng = np.random.default_rng(5)
@@ -115,7 +118,7 @@ def test_a_rival_that_no_torque_there_is_could_turn_is_left_out_and_said_to_be(
     (capture,) = weak.captures
     heavy = Rival(("offset",), kc.fit(dataclasses.replace(capture, tau=1000.0 * capture.tau)))
     others = (Rival((), weak.ladder[0].fit), Rival(("stribeck",), weak.ladder[0].fit.add("stribeck")))
-    limits = dataclasses.replace(Limits.reached(weak.fit.prepared), duration_s=4.0)
+    limits = dataclasses.replace(Limits.reached(weak.fit.prepared), **QUICK)
     found = design((*others, heavy), limits, search_s=0.2)
     assert found.rivals == others and found.left_out == (heavy,)
     assert found.headline.endswith(
@@ -182,7 +185,7 @@ def test_no_rival_asks_for_more_than_the_limits(weak: kc.LearningResult) -> None
         assert np.abs(asked.tau).max() <= limits.torque_Nm
     assert designed.peak[0] <= limits.torque_Nm
     with pytest.raises(kc.InputError, match="torque_Nm"):
-        tiny = Limits(1e-6, 3.0, 40.0, -0.3, 0.4, duration_s=3.0)
+        tiny = dataclasses.replace(limits, torque_Nm=1e-6)
         kc.next_experiment(weak, rivals=["base", "stribeck"], limits=tiny, search_s=1.0)
 
 
@@ -259,7 +262,7 @@ def test_a_parameter_that_there_is_none_of_is_said_before_anything_is_learned(
         ((), "duration_s = 600.0\nsample_rate_hz = 1e6", "600 s at 1e+06 Hz are 6e+08 samples"),
         (
             ("--rivals", "stribeck+end_stop,base"),
-            "",
+            "duration_s = 4.0",
             "rivals: stribeck + end_stop: motion: is none that the model can follow",
         ),
         ((), "theta_min_rad = 3.0\ntheta_max_rad = 2.0", "nothing could move"),
@@ -284,7 +287,7 @@ def test_wrong_calls_end_in_one_line(tmp_path: Path, words: tuple[str, ...], lim
 def test_of_limits_that_no_motion_keeps_the_one_that_is_at_fault_is_named(
     weak: kc.LearningResult, narrow: dict[str, float], said: str
 ) -> None:
-    limits = dataclasses.replace(Limits.reached(weak.fit.prepared), **narrow)
+    limits = dataclasses.replace(Limits.reached(weak.fit.prepared), **QUICK | narrow)
     with pytest.raises(kc.InputError, match=r".") as refusal:
         kc.next_experiment(weak, rivals=["base", "stribeck"], limits=limits)
     assert str(refusal.value).startswith(said)
@@ -305,7 +308,7 @@ def test_of_a_rival_that_runs_away_that_is_said_and_no_limit_is_blamed_for_it(
     for name, value in values.items():
         soft = soft.with_value(name, value).with_fixed(name)
     lost = Rival(("compliance",), kc.fit(weak.captures, soft))
-    limits = dataclasses.replace(Limits.reached(weak.fit.prepared), sample_rate_hz=500.0)
+    limits = dataclasses.replace(Limits.reached(weak.fit.prepared), duration_s=4.0, sample_rate_hz=500.0)
     assert Telling((lost,)).peak(kc.motion("sweep", 4.0, 500.0), draws=False) == math.inf
     with pytest.raises(
         kc.InputError, match=r"^rivals: compliance: motion: is none that the model can follow"

@@ -132,7 +132,7 @@ def test_where_no_motion_is_within_limits_what_came_is_learned_and_that_is_said(
     sprung_knob: kc.Model, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def none(rivals: tuple[Rival, ...], limits: Limits) -> kc.Experiment:
-        return design(rivals, dataclasses.replace(limits, torque_Nm=1e-6))
+        return design(rivals, dataclasses.replace(limits, torque_Nm=1e-6, duration_s=2.0))
 
     monkeypatch.setattr(experiments_module, "design", none)
     with EmulatedRig(sprung_knob, speed=8.0) as rig:

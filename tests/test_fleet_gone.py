@@ -36,6 +36,7 @@ def lot(tmp_path: Path) -> Path:
     return folder
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_capture_that_is_gone_keeps_its_row_and_counts_no_more(lot: Path, tmp_path: Path):
     (tmp_path / "limits.toml").write_text(LIMITS)
     words = ("batch", lot, "-o", tmp_path / "r", "--learn", "none", "--limits", tmp_path / "limits.toml")
@@ -146,6 +147,7 @@ def test_results_behind_an_address_are_no_captures(tmp_path: Path):
     }
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_batch_that_was_ended_is_judged_by_the_limits_that_it_was_given(tmp_path: Path):
     own = ("ok", "failed_limits", "failed_why", "outlier", "cause")
     raw = several(np.random.default_rng(6), 8)

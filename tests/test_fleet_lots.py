@@ -213,6 +213,7 @@ def test_two_that_write_to_one_folder_are_kept_apart(tmp_path: Path):
     other.put(rows[1:])
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_batch_that_was_ended_is_reported_with_what_there_is_and_says_that_it_is_not_at_its_end(
     tmp_path: Path,
 ):
@@ -233,6 +234,7 @@ def test_a_batch_that_was_ended_is_reported_with_what_there_is_and_says_that_it_
     assert "not at its end yet" not in knobcam("report", tmp_path / "r").out
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_one_bad_part_leaves_all_others_apart_and_is_named_at_the_edge_and_a_far_limit_is_said():
     rng = np.random.default_rng(3)
     rows = several(rng, 20) + several(rng, 20, "B", coulomb=1.1)

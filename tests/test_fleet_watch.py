@@ -164,6 +164,7 @@ def test_a_file_that_a_recorder_never_closes_is_told_when_patience_ends(parts: l
     assert row["error"] is None and row["verdict"] == "complete"
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_parts_that_were_taken_away_from_a_station_still_count(parts: list[bytes], tmp_path: Path):
     folder = tmp_path / "in"
     folder.mkdir()

@@ -146,12 +146,6 @@ def test_a_report_has_light_dark_and_paper(page: str) -> None:
     assert "prefers-color-scheme: dark" in page and "@media print" in page
 
 
-@pytest.fixture
-def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Reports in which only the words are as they are: pictures take seconds."""
-    monkeypatch.setattr(report, "figure", lambda drawn, caption: f"<figure>{caption}</figure>")
-
-
 @pytest.fixture(scope="module")
 def brief() -> kc.Capture:
     """Of a knob with nothing missing, for what is asked of any report."""
@@ -276,6 +270,7 @@ def test_a_candidate_that_is_far_worse_does_not_push_the_others_aside() -> None:
     assert any(f"{100.0 * worse.error_fall:.0f} %".replace("-", "−") in one.get_text() for one in drawn.texts)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_as_many_parameters_stand_on_the_sheet_as_there_is_room_for_and_all_of_them_behind_it(
     motor: kc.LearningResult,
 ) -> None:
@@ -291,6 +286,7 @@ def test_as_many_parameters_stand_on_the_sheet_as_there_is_room_for_and_all_of_t
     )
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_report_has_the_intervals_that_the_document_has(story: kc.LearningResult) -> None:
     """They carry what the choice among effects adds, which those of the last fit do not."""
     wider = dataclasses.replace(story)

@@ -184,6 +184,7 @@ def test_where_nothing_is_tied_the_next_motion_is_for_what_is_known_least(
     assert older.headline == design.headline and older.names == design.names
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_what_came_in_and_is_needless_beside_what_came_in_since_is_told_and_goes_by_a_button(
     client: httpx.Client, bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -312,7 +313,7 @@ def test_a_design_is_cancelled_while_it_says_how_far_it_is(
         ({"effects": RIVALS, "limits": {"omega": 1.0}}, "is no limit"),
         ({"effects": RIVALS, "limits": {"omega_rad_s": "fast"}}, "give a number"),
         ({"effects": RIVALS, "limits": {"omega_rad_s": -1.0}}, "give a number above 0"),
-        ({"effects": RIVALS, "limits": {"torque_Nm": 1e-7}}, "torque_Nm"),
+        ({"effects": RIVALS, "limits": {"torque_Nm": 1e-7, "duration_s": 2.0}}, "torque_Nm"),
         ({"effects": RIVALS, "limits": [1]}, "give an object"),
     ],
 )
