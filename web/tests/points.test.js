@@ -102,6 +102,9 @@ test("of many points that are chosen those that are nowhere draw nothing, and th
     drawPoints(image, pixels, chosen, frame, 7);
     return [...image.keys()].filter((at) => image[at] === 7);
   };
+  const image = new Uint32Array(frame.width * frame.height);
+  drawPoints(image, pixels, null, frame, 7, 3); // of three one, and that is nowhere
+  assert.ok(image.every((pixel) => pixel === 0));
   const corners = [0, 1, frame.width, frame.width + 1];
   const nowhere = Uint32Array.from({ length: many / 3 }, (_, at) => 3 * at);
   assert.deepEqual(drawn(nowhere), []);

@@ -120,7 +120,7 @@ def _doubtful(learned: LearningResult) -> str:
 def _strange(learned: LearningResult) -> dict[str, str]:
     """Return the parameters whose values are surely out of what is plausible, and why."""
     catalogue = learned.model.catalogue()
-    found = {}
+    found: dict[str, str] = {}
     for name, one in learned.params.items():
         effect, _, own = name.partition(".")
         why = None if one.held else out_of_range(one, catalogue[effect].parameter(own).plausible)

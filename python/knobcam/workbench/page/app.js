@@ -3182,16 +3182,16 @@ function drawCloud(image, { counts, full }, colour, strength) {
     image[at] = image[at] === ground ? alone[many] : mixed(image[at], colour, weights[many]);
   }
 }
-function drawPoints(image, pixels, chosen, frame, colour) {
+function drawPoints(image, pixels, chosen, frame, colour, every = 1) {
   const { dot: dot2, width } = frame;
   const count = chosen ? chosen.length : pixels.length;
   if (count < MANY2 * image.length) {
-    for (let i = 0; i < count; i++) drawDot(image, pixels[chosen ? chosen[i] : i], { dot: dot2, width }, colour);
+    for (let i = 0; i < count; i += every) drawDot(image, pixels[chosen ? chosen[i] : i], { dot: dot2, width }, colour);
     return;
   }
   const corners = new Uint8Array(image.length + 1);
-  if (chosen) for (let i = 0; i < count; i++) corners[pixels[chosen[i]] + 1] = 1;
-  else for (let i = 0; i < count; i++) corners[pixels[i] + 1] = 1;
+  if (chosen) for (let i = 0; i < count; i += every) corners[pixels[chosen[i]] + 1] = 1;
+  else for (let i = 0; i < count; i += every) corners[pixels[i] + 1] = 1;
   for (let at = 1; at < corners.length; at++) if (corners[at] === 1) drawDot(image, at - 1, { dot: dot2, width }, colour);
 }
 function drawDot(image, pixel, { dot: dot2, width }, colour) {
@@ -3245,6 +3245,7 @@ var FEW5 = 8e3;
 var FEW_CHOSEN = 20;
 var CLOUDS = 8;
 var AT_ONCE = 5e4;
+var LIT_AT_ONCE = 2e5;
 var REST_MS3 = 150;
 var Plot = class {
   /**
@@ -3269,6 +3270,7 @@ var Plot = class {
     this.placed = [];
     this.clouds = [];
     this.rest = 0;
+    this.unlit = 0;
     this.pick = null;
     this.region = null;
     this.scale = 1;
@@ -3366,16 +3368,21 @@ var Plot = class {
    * Draw the second layer.
    * @param {Uint32Array | null} chosen indices of samples
    * @param {{y: Float32Array, colour: string} | null} above a cloud over the others: what an effect would explain
+   * @param {number} [every] of how many chosen points one is drawn, until all of them are
    */
-  drawLight(chosen, above) {
+  drawLight(chosen, above, every = Math.max(1, Math.ceil((chosen?.length ?? 0) / LIT_AT_ONCE))) {
+    clearTimeout(this.unlit);
     if (!this.contents || this.frame.width === 0) return;
+    if (every > 1) this.unlit = setTimeout(() => this.drawLight(chosen, above, 1), REST_MS3);
     this.element.classList.toggle("dimmed", chosen !== null);
     const image = new ImageData(this.frame.width, this.frame.height);
     const pixels = new Uint32Array(image.data.buffer);
     if (chosen) {
-      const draw2 = chosen.length <= FEW_CHOSEN ? drawFew : drawPoints;
-      for (const [at, { chosen: colour }] of this.contents.series.entries()) {
-        if (colour) draw2(pixels, this.pixels(at), chosen, this.frame, pixelColour(this.colour(colour)));
+      for (const [at, { chosen: name2 }] of this.contents.series.entries()) {
+        if (!name2) continue;
+        const colour = pixelColour(this.colour(name2));
+        if (chosen.length <= FEW_CHOSEN) drawFew(pixels, this.pixels(at), chosen, this.frame, colour);
+        else drawPoints(pixels, this.pixels(at), chosen, this.frame, colour, every);
       }
     }
     if (above) {
