@@ -114,7 +114,7 @@ def several(seed: int) -> list[str]:
 
 def beside(seed: int) -> str:
     """An effect that loads a shaft."""
-    loads = [name for name, kind in hidden.NAMED.items() if kind.order == 1]
+    loads = [name for name, kind in hidden.NAMED.items() if kind.order == 1 and name not in hidden.BUILDS_UP]
     return str(np.random.default_rng([seed, 3]).choice(loads))
 
 

@@ -7,7 +7,7 @@
 from itertools import combinations
 from typing import NamedTuple
 
-from hidden import KINDS, MOTIONS, NAMED, SERIES, STRANGER, Hidden, make
+from hidden import BUILDS_UP, KINDS, MOTIONS, NAMED, SERIES, STRANGER, Hidden, make
 
 # RMS over the noise of what the base model cannot explain. The first is that of weak effects.
 BANDS = ((0.3, 0.7), (0.7, 1.5), (1.5, 3.0), (3.0, 6.0), (6.0, 12.0))
@@ -57,9 +57,10 @@ class Stratum(NamedTuple):
 
     @property
     def at_shaft(self) -> bool:
-        """Whether what rubs and pulls does so at the shaft, before a coupling: in every second knob."""
+        """Whether what rubs and pulls does so at the shaft, before a coupling: every second, never late."""
         coupled = [name for name in self.effects if KINDS[name].order == 0]
-        return bool(coupled) and len(self.effects) > 1 and (self.seed // 4 + self.seed) % 2 == 1
+        late = BUILDS_UP & set(self.effects)
+        return bool(coupled) and len(self.effects) > 1 and not late and (self.seed // 4 + self.seed) % 2 == 1
 
     def make(self, motion: str | None = None) -> Hidden:
         """The capture; under the next motion where the effects cannot be so strong under its own.

@@ -40,6 +40,7 @@ def test_in_sixteen_knobs_a_pair_is_met_in_every_motion_at_every_strength_that_i
 def test_beside_a_coupling_every_second_knob_is_loaded_at_the_shaft() -> None:
     coupled = [Stratum("pair", "compliance+cogging", seed).at_shaft for seed in range(20)]
     assert sum(coupled) == 10
+    assert not any(Stratum("pair", "bristles+compliance", seed).at_shaft for seed in range(20))
     assert not any(Stratum("pair", "bristles+cogging", seed).at_shaft for seed in range(20))
 
 

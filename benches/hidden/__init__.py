@@ -5,7 +5,7 @@ diagnosis is examined on physics and not on its own equations.
 """
 
 from .faults import FAULTS, Fault
-from .likeness import ALIKE
+from .likeness import ALIKE, BUILDS_UP
 from .make import ACCEPTED, KINDS, Hidden, make
 from .motions import MOTIONS
 from .series import SERIES
@@ -16,6 +16,7 @@ from .stranger import STRANGER
 __all__ = [
     "ACCEPTED",
     "ALIKE",
+    "BUILDS_UP",
     "FAULTS",
     "KINDS",
     "MOTIONS",

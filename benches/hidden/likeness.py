@@ -21,6 +21,9 @@ ALIKE = 0.1  # what another name's law may leave to be as right, and the rest to
 # is drawn. Not of those that have their name by what they are: a gap is backlash, however it knocks.
 STRANGEST, STRANGE_SHARE = 0.3, 0.15
 BY_NATURE = {"bristles", "impact_gap"}
+# What builds up late takes off the friction that there is at once: at a shaft whose knob has it it would
+# push the shaft on.
+BUILDS_UP = {"bristles", "presliding"}
 EVERY = 4  # rows that a fit looks at: far below them the filter ends
 Law = Callable[[Base, Scene, Chain, Floats], float]
 

@@ -166,6 +166,9 @@ pub struct Load<T> {
     /// How far dry friction is from following the sign of the motion: 0 fully, -2 still fully backward in a
     /// forward motion, +2 the other way round.
     pub hysteresis: T,
+    /// The share of dry friction that does not turn round with the motion: of `hysteresis`, what there would be less of
+    /// for each unit of direction.
+    pub builds_up: T,
     /// Stored inertia, kg m^2 (kg).
     pub inertia: T,
     /// Static friction, N m: magnitudes that hold the knob backward and forward while it sticks.
@@ -189,6 +192,7 @@ impl<T: Scalar> Load<T> {
             position_share: zero,
             inertia_share: zero,
             hysteresis: zero,
+            builds_up: zero,
             inertia: zero,
             hold: [zero; 2],
             band: zero,
@@ -262,6 +266,7 @@ impl<T: Scalar> Load<T> {
         }
         if touches(Channel::Hysteresis) {
             self.hysteresis = self.hysteresis + o.hysteresis;
+            self.builds_up = self.builds_up + o.builds_up;
         }
         if touches(Channel::Stick) {
             self.hold = [self.hold[0] + o.hold[0], self.hold[1] + o.hold[1]];
@@ -296,7 +301,23 @@ impl<T: Scalar> Load<T> {
     /// there is more of it per load that presses.
     #[inline(always)]
     pub fn rubs(&self, forward: T) -> [T; 2] {
-        let forth = forward + T::of(0.5) * self.hysteresis;
+        self.rubs_with(self.hysteresis, forward)
+    }
+
+    /// The same backward and forward, of a load that was looked at in a motion of this direction: friction that builds up
+    /// over a distance does not turn round at once, whichever way the knob goes on.
+    #[inline(always)]
+    pub fn rubs_either_way(&self, direction: T) -> [[T; 2]; 2] {
+        let (zero, one) = (T::of(0.0), T::of(1.0));
+        let way = |sign: T, forward: T| {
+            self.rubs_with(self.hysteresis + self.builds_up * (direction - sign), forward)
+        };
+        [way(-one, zero), way(one, one)]
+    }
+
+    #[inline(always)]
+    fn rubs_with(&self, hysteresis: T, forward: T) -> [T; 2] {
+        let forth = forward + T::of(0.5) * hysteresis;
         let back = T::of(1.0) - forth;
         let unpressed = (self.resist[1] * forth - self.resist[0] * back) * self.friction_scale;
         [unpressed, self.mu * (forth - back)]
@@ -363,13 +384,21 @@ mod tests {
             position_share: 8.0 * k,
             inertia_share: 9.0 * k,
             hysteresis: 10.0 * k,
+            builds_up: 15.0 * k,
             inertia: 11.0 * k,
             hold: [12.0 * k, 13.0 * k],
             band: 14.0 * k,
         };
         let channels = |load: &Load<f64>| {
             let [back, forth] = load.resist;
-            let others = [load.mu, load.position_share, load.inertia_share, load.hysteresis, load.inertia];
+            let others = [
+                load.mu,
+                load.position_share,
+                load.inertia_share,
+                load.hysteresis,
+                load.inertia,
+                load.builds_up,
+            ];
             [&[load.drive, load.normal_load, load.position_load, back, forth], &others[..], &load.hold]
                 .concat()
         };

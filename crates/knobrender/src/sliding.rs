@@ -53,6 +53,7 @@ pub(super) fn plain(load: &Load<f64>) -> Load<Known<f64>> {
         position_share: zero,
         inertia_share: zero,
         hysteresis: zero,
+        builds_up: zero,
         inertia,
         hold: load.hold.map(Known::any),
         band,

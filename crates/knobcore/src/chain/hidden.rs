@@ -292,6 +292,50 @@ mod tests {
         }
     }
 
+    /// The torque of a knob that is swung to and fro, at 5 kHz.
+    fn swung(knob: &Model, substeps: usize) -> Vec<f64> {
+        let (n, swing) = (5000, 6.0);
+        let over = |f: &dyn Fn(f64) -> f64| (0..n).map(|i| f(f64::from(i) * 2e-4)).collect::<Vec<f64>>();
+        predict::torque_raw(
+            knob,
+            &Signals {
+                rate_hz: 5000.0,
+                substeps,
+                t: over(&|t| t),
+                theta: over(&|t| (swing * t).sin()),
+                omega: over(&|t| swing * (swing * t).cos()),
+                alpha: over(&|t| -swing * swing * (swing * t).sin()),
+                forward: over(&|t| f64::from(u8::from((swing * t).cos() > 0.0))),
+                segments: vec![0..n as usize; 1],
+                ..Signals::default()
+            },
+        )
+    }
+
+    /// The RMS of the difference of two torques, N m.
+    fn apart(one: &[f64], other: &[f64]) -> f64 {
+        let squares: f64 = one.iter().zip(other).map(|(one, other)| (one - other).powi(2)).sum();
+        (squares / one.len() as f64).sqrt()
+    }
+
+    #[test]
+    fn friction_that_builds_up_is_behind_a_stiff_joint_what_it_is_without_one() {
+        for shares in [[0.3, 0.2], [0.4, 0.6]] {
+            let mut rigid = Model::equation_1(Axis::Rotary, false).with(Id::Presliding).unwrap();
+            let base = [("inertia.M", 1e-4), ("coulomb.neg", 0.02), ("coulomb.pos", 0.025)];
+            let late = [("presliding.s", 0.02), ("presliding.w1", shares[0]), ("presliding.w3", shares[1])];
+            base.into_iter().chain(late).for_each(|(name, value)| rigid.set(name, value).unwrap());
+            let mut joined = rigid.with(Id::Compliance).unwrap();
+            let joint = [("compliance.k", 2e3), ("compliance.d", 0.1), ("compliance.share", 0.7)];
+            joint.into_iter().for_each(|(name, value)| joined.set(name, value).unwrap());
+            // Half of the friction turns round at once, and does so behind a spring a sample later: as it does where none
+            // builds up. Where it rang for that it had no end.
+            let off = apart(&swung(&rigid, 4), &swung(&joined, 4));
+            let [all, sum] = [1.0, shares[0] + shares[1]];
+            assert!(off < if sum == all { 2e-4 } else { 1e-3 }, "{shares:?}: {off}");
+        }
+    }
+
     #[test]
     fn four_steps_a_sample_turn_a_knob_with_detents_as_many_more_do() {
         let mut knob = Model::equation_1(Axis::Rotary, true).with(Id::Compliance).unwrap();
@@ -301,27 +345,8 @@ mod tests {
         for (name, value) in base.into_iter().chain(detents).chain(joint) {
             knob.set(name, value).unwrap();
         }
-        let torque = |substeps: usize| {
-            let (n, swing) = (5000, 6.0);
-            let over = |f: &dyn Fn(f64) -> f64| (0..n).map(|i| f(f64::from(i) * 2e-4)).collect::<Vec<f64>>();
-            predict::torque_raw(
-                &knob,
-                &Signals {
-                    rate_hz: 5000.0,
-                    substeps,
-                    t: over(&|t| t),
-                    theta: over(&|t| (swing * t).sin()),
-                    omega: over(&|t| swing * (swing * t).cos()),
-                    alpha: over(&|t| -swing * swing * (swing * t).sin()),
-                    forward: over(&|t| f64::from(u8::from((swing * t).cos() > 0.0))),
-                    segments: vec![0..n as usize; 1],
-                    ..Signals::default()
-                },
-            )
-        };
-        let (few, many) = (torque(4), torque(64));
-        let off = few.iter().zip(&many).map(|(few, many)| (few - many).powi(2)).sum::<f64>() / 5000.0;
+        let off = apart(&swung(&knob, 4), &swung(&knob, 64));
         // Of 15 mN m: 29 uN m where detents act at the start of each step.
-        assert!(off.sqrt() < 1e-6, "{}", off.sqrt());
+        assert!(off < 1e-6, "{off}");
     }
 }

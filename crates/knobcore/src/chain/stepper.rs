@@ -53,7 +53,7 @@ impl<T: Branches> Acts<T> {
         let (half, zero) = (T::Value::of(0.5), T::of(0.0));
         let [back, forth] = load.resist;
         let [mut backward, mut forward] =
-            if plain { [[-back, zero], [forth, zero]] } else { [load.rubs(zero), load.rubs(T::of(1.0))] };
+            if plain { [[-back, zero], [forth, zero]] } else { load.rubs_either_way(body.direction()) };
         let presses = load.presses();
         let sticks = body.leaving.not().and((load.band - body.omega.abs()).positive());
         if sticks.any() {
@@ -124,6 +124,13 @@ impl<T: Branches> Body<T> {
     #[inline]
     pub fn at(theta: T, omega: T) -> Self {
         Self { theta, omega, leaving: T::Lanes::NONE }
+    }
+
+    /// The sign of its velocity, 0 at rest: the way that its loads were looked at.
+    #[inline(always)]
+    fn direction(&self) -> T {
+        let one = T::of(1.0);
+        self.omega.where_positive(one, (-self.omega).where_positive(-one, T::of(0.0)))
     }
 
     /// Its speed after a step of `h` seconds under what acts on it and under a torque along its motion that is

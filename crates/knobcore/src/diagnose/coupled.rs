@@ -3,6 +3,7 @@
 //! The torque of a contact comes in pulses of a few milliseconds: a gap that is a little off moves them, and the
 //! error knows no way back once they no longer overlap. Through a slower filter they are broad and do.
 
+use super::divided::divided;
 use super::ends::{Ends, RIVAL, at_most, cost, firsts, least, on, others, rivals};
 use super::fine::finely;
 use super::screen::{Screen, Start, alone};
@@ -117,6 +118,8 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool, rival: Opti
     let mut starts = if may_come { detented(&middle, base, couplings, &beside) } else { Vec::new() };
     let (ends, mut worse) = coarsely(&coarse, &seen, ways.len());
     starts.extend(softer(data, &ends, [COARSE_HZ, MIDDLE_HZ]));
+    let apart = |(of, id): (usize, &Id)| divided(whole, *id).into_iter().map(move |model| (of, model));
+    starts.extend(couplings.iter().enumerate().flat_map(apart));
     starts.extend(ends.into_iter().map(|(of, (model, _))| (of, model)));
     let (ends, more, roughly) = between(&middle, &starts);
     worse.extend(more);

@@ -9,6 +9,7 @@ mod chance;
 mod chosen;
 mod converge;
 mod coupled;
+mod divided;
 mod elsewhere;
 mod ends;
 mod fine;

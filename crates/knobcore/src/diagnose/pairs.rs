@@ -5,6 +5,7 @@
 //! the rigid model that has the other effect, a few steps from the most promising, descents from the best of these.
 
 use super::coupled::{squares, strode};
+use super::divided::divided;
 use super::ends::on;
 use super::screen::{Screen, Start};
 use super::shown::{may_come, shown, with_joint};
@@ -182,6 +183,10 @@ fn beside(rigid: &Screen<'_>, companion: Id, couplings: &[Id], through: &[(Id, V
     };
     let mut all: Vec<Way> = models.iter().flat_map(ways).collect();
     let screen = Screen::new(rigid.data, &fitted, rigid.watch);
+    for coupling in couplings {
+        let starts = screen.by_promise(*coupling, divided(&screen, *coupling));
+        all.extend(starts.into_iter().map(|start| way((*coupling, start))));
+    }
     for (coupling, starts) in through {
         let with = starts.iter().take(STARTS).flat_map(|start| with_joint(&fitted, &start.model, &shaft));
         let starts = screen.by_promise(*coupling, with.collect());

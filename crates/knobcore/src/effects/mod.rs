@@ -149,6 +149,8 @@ pub trait Effect<const N: usize> {
     /// Multiples of the period that it follows at which a search starts too: what the base model found may be the
     /// harmonic of something slower.
     const SLOWER: &'static [f64] = &[];
+    /// Parameters that are shares of one thing: together at most all of it.
+    const SHARES: &'static [usize] = &[];
 
     /// Parameter values to start a search from, none of them given by a user. The neutral values, unless
     /// something that the effect needs to show at all vanishes there.

@@ -17,6 +17,8 @@ pub struct Presliding;
 const FAR: f64 = 0.2;
 /// Samples after a reversal that it takes at least.
 const NEAR: f64 = 2.0;
+/// By so much shares may add up to more than all for how they are written down.
+const ROUNDED: f64 = 1e-6;
 /// Shares of friction all of which builds up, most of it late.
 const ALL: [f64; 6] = [0.35, 0.25, 0.2, 0.1, 0.05, 0.05];
 
@@ -55,6 +57,8 @@ impl Effect<7> for Presliding {
         ),
     };
     const OVER: Over = Over::Reversal;
+    /// More than all of the friction would push the knob on after a reversal.
+    const SHARES: &'static [usize] = &[1, 2, 3, 4, 5, 6];
     const PARAMS: [Param; 7] = [
         Param::shape("s", Unit::of(0, 1, 0), [1e-7, 1e3], 0.1, "longest presliding distance"),
         share("w1", "share of friction that builds up over s"),
@@ -81,6 +85,11 @@ impl Effect<7> for Presliding {
 
     /// It ends within a small part of the way, and takes longer than the sensors' step.
     fn implausible(p: &[f64; 7], context: &Context) -> Vec<String> {
+        let [_, shares @ ..] = p;
+        let sum: f64 = shares.iter().sum();
+        if sum > 1.0 + ROUNDED {
+            return vec![format!("{sum:.3} of the friction builds up: more than all of it")];
+        }
         let Some(mean) = Self::builds_up_over(p) else { return Vec::new() };
         let over = context.way(mean);
         if mean > FAR * context.travel() {
@@ -123,7 +132,7 @@ impl MemoryEffect<7, 1, 6> for Presliding {
 
     #[inline(always)]
     fn load<T: Scalar>(share: T, z: T, motion: &Motion<T>) -> Load<T> {
-        Load { hysteresis: share * (z - motion.direction()), ..Load::none() }
+        Load { hysteresis: share * (z - motion.direction()), builds_up: share, ..Load::none() }
     }
 }
 

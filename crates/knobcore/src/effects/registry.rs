@@ -58,6 +58,8 @@ pub struct Info {
     pub scan: Option<Wave>,
     /// See [`Effect::SLOWER`].
     pub slower: &'static [f64],
+    /// See [`Effect::SHARES`].
+    pub shares: &'static [usize],
 }
 
 impl Info {
@@ -89,6 +91,7 @@ impl Info {
             given: E::GIVEN,
             scan: E::SCAN,
             slower: E::SLOWER,
+            shares: E::SHARES,
         }
     }
 
@@ -133,6 +136,7 @@ impl Info {
             given: None,
             scan: None,
             slower: &[],
+            shares: &[],
         }
     }
 

@@ -91,7 +91,7 @@ impl Layout {
             next[a] = along.hypot(across);
             next[s] = wrap(p[s] + across.atan2(along));
         }
-        keep_ties(model, &mut next);
+        keep_together(model, &mut next);
         next
     }
 
@@ -113,11 +113,20 @@ fn wrap(angle: f64) -> f64 {
     if turned > PI { turned - TAU } else { turned }
 }
 
-/// Gives parameters that are tied to others their values.
-pub fn keep_ties(model: &Model, p: &mut [f64]) {
-    for (i, slot) in model.slots().iter().enumerate() {
+/// Gives tied parameters the values of those that they are tied to, and shares of one thing no more than all of it.
+pub fn keep_together(model: &Model, p: &mut [f64]) {
+    let slots = model.slots();
+    for (i, slot) in slots.iter().enumerate() {
         if let Role::Tied(to) = slot.role {
             p[i] = p[to];
+        }
+        let shares = if slot.base == i { slot.effect.info().shares } else { &[] };
+        let is_free = |at: &usize| slots[i + at].role == Role::Free;
+        let [free, kept] = [true, false]
+            .map(|free| shares.iter().filter(|at| is_free(at) == free).map(|at| p[i + at]).sum::<f64>());
+        let most = (1.0 - kept).max(0.0);
+        if free > most {
+            shares.iter().filter(|at| is_free(at)).for_each(|at| p[i + at] *= most / free);
         }
     }
 }
@@ -142,6 +151,21 @@ mod tests {
             assert!(moved.abs() <= std::f64::consts::PI, "{moved}");
             let all_round = (moved - model.values()[phase] - long).rem_euclid(std::f64::consts::TAU);
             assert!(long.abs() > 1e3 || all_round.min(std::f64::consts::TAU - all_round) < 1e-9, "{long}");
+        }
+    }
+
+    #[test]
+    fn no_more_than_all_of_the_friction_builds_up_and_shares_that_are_held_stay() {
+        let mut model = Model::equation_1(Axis::Rotary, false).with(Id::Presliding).unwrap();
+        model.set("presliding.w2", 0.25).unwrap();
+        model.set_role("presliding.w2", Role::Fixed).unwrap();
+        let [first, held, third] =
+            ["presliding.w1", "presliding.w2", "presliding.w3"].map(|name| model.index(name).unwrap());
+        for (set, kept) in [([0.2, 0.3], [0.2, 0.3]), ([0.5, 1.0], [0.25, 0.5])] {
+            let mut p = model.values();
+            (p[first], p[third]) = (set[0], set[1]);
+            keep_together(&model, &mut p);
+            assert_eq!([p[first], p[held], p[third]], [kept[0], 0.25, kept[1]]);
         }
     }
 }

@@ -8,7 +8,7 @@
 //! Behind a joint the error is rough, and nearly every second step fails. There a pass without derivatives over several
 //! sets of parameters takes a quarter of one with: after a step that failed those to try next are tried at once.
 
-use super::layout::{Layout, keep_ties};
+use super::layout::{Layout, keep_together};
 use super::moments::{measured_squares, used};
 use super::passes::Passes;
 use super::status::Status;
@@ -93,7 +93,7 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64],
     let passes = Passes::of(data, model, &layout.free, !layout.hard.is_empty());
     let mut problem = Problem { data, passes, model, layout, total, unit, evaluations: 0 };
     let mut start = start.to_vec();
-    keep_ties(model, &mut start);
+    keep_together(model, &mut start);
     let mut here = problem.point(start);
     let mut iterations = 0;
     let ended = |problem: &Problem<'_>, here: &Point, iterations, status| Found {

@@ -55,12 +55,14 @@ impl Model {
     }
 
     /// Whether an effect may load the shaft: a load that the base model does not have, that holds no knob at rest,
-    /// and that is no function of a user's own.
+    /// that does not take off friction which is the knob's (what builds up late would push the shaft on), and that is no
+    /// function of a user's own.
     pub fn may_be_at_shaft(id: Id) -> bool {
         let info = id.info();
         let base = info.base.is_some() || info.stores() || info.touches.contains(&Channel::Stick);
+        let late = info.touches.contains(&Channel::Hysteresis);
         let inertia = info.touches.contains(&Channel::Inertia);
-        info.place == Place::Load && !base && !inertia && !id.calls_out()
+        info.place == Place::Load && !base && !late && !inertia && !id.calls_out()
     }
 
     /// The same model with an effect of it at the shaft.

@@ -7,7 +7,7 @@ use crate::chain::stepper::{Acts, Body};
 use crate::effects::{BENT, Joint};
 use crate::error::{Error, Result};
 use crate::model::{Model, Rigid};
-use crate::motion::{Load, Motion};
+use crate::motion::Motion;
 
 /// Fewest steps per sample: what breaks away does so within a few of them.
 const STEPS: usize = 32;
@@ -123,11 +123,17 @@ impl<'a> Driven<'a> {
 /// What loads the shaft beside the joint in a step from here, N m, by the speed that it gets.
 fn beside(sides: Option<&mut [Rigid; 2]>, t: f64, shaft: &Body<f64>) -> impl Fn(f64) -> f64 + use<> {
     let here = Motion::exact(t, shaft.theta, shaft.omega, 0.0);
-    let loads = sides.map(|sides| sides.each_mut().map(|side| side.load(&here)));
+    let torques = sides.map(|sides| {
+        sides.each_mut().map(|side| {
+            let load = side.load(&here);
+            let rubs = load.rubs_either_way(here.direction());
+            rubs.map(|[unpressed, per_load]| load.drive + unpressed + per_load * load.presses().abs())
+        })
+    });
     move |omega| {
-        let forward = Motion::exact(0.0, 0.0, omega, 0.0).forward;
-        let torque = |load: &Load<f64>| load.drive + load.friction(forward, 0.0);
-        loads.as_ref().map_or(0.0, |[with, without]| torque(with) - torque(without))
+        let [backward, forward] = Motion::exact(0.0, 0.0, omega, 0.0).directions();
+        let torque = |[back, forth]: &[f64; 2]| backward * back + forward * forth;
+        torques.as_ref().map_or(0.0, |[with, without]| torque(with) - torque(without))
     }
 }
 
