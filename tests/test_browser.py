@@ -261,8 +261,8 @@ def test_what_cannot_be_told_is_designed_recorded_and_told_in_the_browser(
     rivals = [[{"effect": one}] for one in ("return_spring", "unbalance")]
     assert second["rivals"] == first["rivals"] == rivals
     # Wider than what was given, of which twice is too little, and no wider than the capture's own.
-    enough = re.fullmatch(r"Design with torque up to ([0-9.]+) N m", seen["enough"])
-    assert enough and 0.0024 < float(enough[1]) < 0.013
+    enough = re.fullmatch(r"Design with torque up to ([0-9.]+) mNm", seen["enough"])
+    assert enough and 2.4 < float(enough[1]) < 13.0
     assert seen["counted"] == "3"
     before, after = seen["left"]
     assert 0.7 < before - after < 1.6 and after < third["seconds"] - 2.5

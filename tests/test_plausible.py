@@ -11,8 +11,10 @@ import pytest
 from known import estimate
 
 import knobcam as kc
+from knobcam.base.said import number
 from knobcam.fit import plausible
 from knobcam.fit.doubts import log_in_doubt
+from knobcam.fit.estimate import Estimate
 from knobcam.fit.rule import RULE
 
 SURE = {"inertia.M": (1e-4, 1e-6), "coulomb.neg": (0.02, 1e-4), "coulomb.pos": (0.02, 1e-4)}
@@ -118,7 +120,9 @@ def test_friction_below_zero_is_told_by_its_power_alone(
 def test_an_effect_beside_is_held_to_its_range_and_the_base_model_is_not(monkeypatch: pytest.MonkeyPatch):
     power(monkeypatch, 1.0, 0.0)
     drag = fitted(effects=(*EFFECTS, "quadratic_drag"), quadratic_drag__d=(-1e-3, 1e-5))
-    assert plausible.impossible(drag) == "quadratic_drag.d = -0.001 is implausible: it should be at least 0"
+    assert plausible.impossible(drag) == (
+        "quadratic_drag.d = -0.001 N m is implausible: it should be at least 0"
+    )
     assert plausible._out_of_range("quadratic_drag", fitted()) == []
     unsure = fitted(effects=(*EFFECTS, "quadratic_drag"), quadratic_drag__d=(-1e-3, 1e-3))
     assert plausible.impossible(unsure) is None
@@ -263,3 +267,12 @@ def test_friction_whose_mean_is_known_is_not_taken_away_by_a_zero_that_drifts_ho
     assert all(one.se > 100.0 * 0.004 for one in each)
     assert abs(sum(one.value for one in each) / 2.0 - 0.004) < 1e-4
     assert plausible.impossible(fit) is None
+
+
+def test_a_value_that_none_can_have_is_told_with_its_unit_and_so_are_the_limits_of_it():
+    lag = Estimate(0.05, (0.049, 0.051), "s", 1e-6)
+    assert plausible.out_of_range(lag, (0.0, 0.02)) == ("0.05 s is implausible: it should be 0 to 0.02 s")
+    share = Estimate(1.5, (1.4, 1.6), "1", 1e-6)
+    assert plausible.out_of_range(share, (0.0, 1.0)) == "1.5 is implausible: it should be 0 to 1"
+    weak = plausible.out_of_range(Estimate(-2e-4, (-3e-4, -1e-4), "N m", 1e-6), (0.0, math.inf))
+    assert weak is not None and weak.parts[0] == number(-2e-4, "N m", ".3g")

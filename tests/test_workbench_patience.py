@@ -252,3 +252,13 @@ def test_who_listens_slowly_hears_the_last_and_nothing_grows(client: httpx.Clien
             if '"last"' in line:
                 break
         assert heard < 20_000
+
+
+def test_a_connection_that_is_closed_is_looked_at_no_more(
+    opened: httpx.Client, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(patience, "_LOOKS_S", 0.05)
+    assert opened.get("/api/state", headers={"connection": "close"}).status_code == 200
+    time.sleep(0.3)
+    assert opened.get("/api/state").status_code == 200
+    assert not [one for one in caplog.records if one.name == "asyncio"]

@@ -1,13 +1,17 @@
-"""What the page draws of a fit: an effect by itself, and where the error lies."""
+"""What the page draws of a fit, and what it says and asks before there is one."""
 
 from __future__ import annotations
 
 import dataclasses
 import json
 import re
+from html import unescape
 from pathlib import Path
+from urllib.parse import parse_qs, urlsplit
 
+import httpx
 import numpy as np
+import pytest
 
 import knobcam as kc
 from knobcam.workbench import arrays
@@ -49,3 +53,53 @@ def test_the_page_draws_every_machine_part_that_an_effect_is_said_to_be() -> Non
     assert said - {None} == {"gap", "spring", "weight", "poles", "fluid", "stops"}
     assert said - {None} <= {*drawn.split(", ")}
     assert kc.effects()["backlash"].document()["section"] == "gap"
+
+
+@pytest.mark.parametrize(
+    ("mapped", "axis", "said"),
+    [
+        (
+            "theta=Position [rad], tau=Iq [A]",
+            "rotary",
+            "no column of times; where there is none, type how many",
+        ),
+        (
+            "t=Time [s], theta=Position [m], tau=Iq [A]",
+            "rotary",
+            "the angle or position in [m] is for an axis that",
+        ),
+        (
+            "t=Time [s], theta=3 [rad], tau=Iq [A]",
+            "rotary",
+            "the angle or position 3 is a single value, not a col",
+        ),
+        ("t=Time [s], theta=Pos [rad], tau=Iq [A]", "rotary", "no column 'Pos'"),
+        ("t=Time [s], theta=Position [rad]", "rotary", "the torque, force or current is missing: say which"),
+    ],
+)
+def test_what_is_wrong_with_fields_that_were_filled_in_is_said_in_their_words(
+    client: httpx.Client, tmp_path: Path, mapped: str, axis: str, said: str
+):
+    log = tmp_path / "log.csv"
+    rows = np.column_stack(
+        [np.arange(200) / 1e3, np.sin(np.arange(200) / 20.0), np.cos(np.arange(200) / 20.0)]
+    )
+    np.savetxt(log, rows, delimiter=",", header="Time,Position,Iq", comments="")
+    refused = client.post("/api/open", json={"path": str(log), "map": mapped, "coordinate": axis})
+    words = refused.json()["error"]
+    assert refused.status_code == 400 and words.startswith(f"log.csv: {said}"), words
+    assert not re.search(r"map|--|\b(theta|tau|omega)\b|coordinate", words), words
+
+
+def test_the_page_says_which_samples_it_will_ask_for_so_that_the_browser_asks_meanwhile(
+    opened: httpx.Client,
+):
+    links = re.findall(r'<link rel="preload" as="fetch"[^>]* href="([^"]*)"', opened.get("/").text)
+    state = opened.get("/api/state").json()
+    assert len(links) == len(state["active"]) == 1
+    asked = parse_qs(urlsplit(unescape(links[0])).query)
+    assert asked["node"] == [state["node"]] and asked["capture"] == state["active"]
+    answer = opened.get(
+        "/api/arrays", params={name: one for name, (one,) in asked.items() if name != "token"}
+    )
+    assert json.loads(answer.content.split(b"\n")[0])["names"] == asked["names"][0].split(",")

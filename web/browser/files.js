@@ -49,7 +49,7 @@ await page.locator("[name=omega]").fill("angle");
 await page.locator("[name=theta-unit]").selectOption("rad");
 assert.equal(await page.locator("[name=omega-unit]").inputValue(), "rad/s", "a velocity is in the position's unit, a second");
 await page.locator("[name=omega]").fill("");
-assert.match(await page.locator("#open-map").textContent(), /over \d+ degrees/); // so that nobody takes degrees for them
+assert.match(await page.locator("#open-map").textContent(), /over [\d.]+ turns/); // so that nobody takes degrees for them
 await page.locator("[name=tau-unit]").selectOption("mNm");
 await page.locator("[name=theta-unit]").selectOption("counts");
 await asked(/many counts has a turn/);

@@ -86,9 +86,9 @@ await picture("23-next-wider");
 // Limits within which there is no motion stay in sight, with the one that would do.
 const torque = page.locator("#next-limits [name=torque_Nm]");
 await page.getByText("Within which limits").click();
-await torque.fill("0.0012");
+await torque.fill("1.2");
 await button("Design again").click();
-await page.locator("#next-refused", { hasText: "“torque, N m”" }).waitFor({ timeout: 90_000 });
+await page.locator("#next-refused", { hasText: "“torque, mNm”" }).waitFor({ timeout: 90_000 });
 const enough = await page.locator("#next-enough").textContent();
 assert.equal((await experiment()).id, second.id);
 await accessible(page, "limits that are too narrow");

@@ -72,6 +72,23 @@ export async function fetchBytes(path, query, signal) {
 }
 
 /**
+ * Samples that the browser asked for while it read the page; null where it did not.
+ * @param {string} node
+ * @param {string} capture
+ * @returns {Promise<ArrayBuffer> | null}
+ */
+export function early(node, capture) {
+  if (!("document" in globalThis)) return null;
+  const links = /** @type {NodeListOf<HTMLLinkElement>} */ (document.querySelectorAll("link[rel=preload]"));
+  const link = [...links].find(({ href }) => {
+    const asked = new URL(href).searchParams;
+    return asked.get("node") === node && asked.get("capture") === capture;
+  });
+  link?.remove();
+  return link ? fetch(link.href).then((answer) => (answer.ok ? answer.arrayBuffer() : Promise.reject(new Refusal(`the workbench answered ${answer.status}`)))) : null;
+}
+
+/**
  * The picture of where an effect shows.
  * @param {string} effect
  */

@@ -89,7 +89,7 @@ export function rowsOf(data, view, widest) {
     if (along === "frequency") return { torque: null, residual: alongFrequency(data), beside: null };
     const axis = AXES[along];
     const x = axis.column ? columns[axis.column] : model;
-    const common = { x, xAxis: axisOf(along, along === "time" ? x : counted(model, x), data), picked: 0 };
+    const common = { x, xAxis: axisOf(along, along === "time" ? span(x) : spanOf(model)(x), data), picked: 0 };
     const part = view.isolated && axis.part ? columns[axis.part] : null;
     const { measured, modelled } = part ? isolated(columns, part) : { measured: fitted, modelled: model };
     const series = [
@@ -146,11 +146,10 @@ export function alongFrequency({ splits, unit, peak, fitted }) {
 /**
  * An axis that holds all values of a column.
  * @param {Along} along
- * @param {Float32Array} x
+ * @param {[number, number]} span
  * @param {Data} data
  */
-function axisOf(along, x, data) {
-  const [low, high] = span(x);
+function axisOf(along, [low, high], data) {
   return { low, high, factor: 1, label: labelOf(along, data) };
 }
 
@@ -199,26 +198,52 @@ const modelOf = remembered((/** @type {Float32Array} */ residual, /** @type {Flo
   return model;
 });
 
-/** @type {WeakMap<Float32Array, (column: Float32Array) => Float32Array>} */
-const countedIn = new WeakMap();
-
 /**
- * A column where the model is held against what was measured: what counts for nothing sets no axis, and is no dot.
+ * What was measured where the model is held against it: what counts for nothing sets no axis, and is no dot. Another model
+ * of the same samples has the same, which is then drawn already.
  * @param {Float32Array} model
- * @param {Float32Array} column
+ * @param {Float32Array} tau
  */
-function counted(model, column) {
-  const known = countedIn.get(model) ?? remembered((/** @type {Float32Array} */ values) => values.map((value, i) => (model[i] === model[i] ? value : NaN)));
-  countedIn.set(model, known);
-  return known(column);
+function counted(model, tau) {
+  const known = lastCounted.get(tau);
+  if (known && sameGaps(known, tau, model)) return known;
+  const found = new Float32Array(tau.length);
+  for (let i = 0; i < tau.length; i++) found[i] = model[i] === model[i] ? tau[i] : NaN;
+  lastCounted.set(tau, found);
+  return found;
+}
+
+/** @type {WeakMap<Float32Array, Float32Array>} */
+const lastCounted = new WeakMap();
+
+/** Whether what counts of a column is what a model is held against. @param {Float32Array} found @param {Float32Array} tau @param {Float32Array} model */
+function sameGaps(found, tau, model) {
+  for (let i = 0; i < tau.length; i++) if (tau[i] === tau[i] && (found[i] === found[i]) !== (model[i] === model[i])) return false;
+  return true;
 }
 
 /** What was recorded where nothing is fitted to it, be it masked, at rest or at an end. */
-const notCounted = remembered((/** @type {Float32Array} */ fitted, /** @type {Float32Array} */ tau, /** @type {Float32Array} */ masked) =>
-  fitted.map((value, i) => (value === value ? NaN : masked[i] === masked[i] ? masked[i] : tau[i])),
-);
+const notCounted = remembered((/** @type {Float32Array} */ fitted, /** @type {Float32Array} */ tau, /** @type {Float32Array} */ masked) => {
+  const found = new Float32Array(tau.length);
+  for (let i = 0; i < tau.length; i++) found[i] = fitted[i] === fitted[i] ? NaN : masked[i] === masked[i] ? masked[i] : tau[i];
+  return found;
+});
 
-const span = remembered((/** @type {Float32Array} */ x) => limits([x], { air: 0.01 }));
+const AIR = 0.01; // of an axis, beyond its ends
+const span = remembered((/** @type {Float32Array} */ x) => limits([x], { air: AIR }));
+
+/** From where to where a column goes where a model is held against it; asked of a model first, which is forgotten sooner. */
+const spanOf = remembered((/** @type {Float32Array} */ model) =>
+  remembered((/** @type {Float32Array} */ x) => {
+    let [low, high] = [NaN, NaN];
+    for (let i = 0; i < x.length; i++) {
+      if (model[i] !== model[i]) continue;
+      if (!(x[i] >= low)) low = x[i] === x[i] ? x[i] : low;
+      if (!(x[i] <= high)) high = x[i] === x[i] ? x[i] : high;
+    }
+    return limits([Float32Array.of(low, high)], { air: AIR });
+  }),
+);
 
 /** @param {string} name */
 function short(name) {

@@ -57,6 +57,7 @@ export function about(effect, shown, torque) {
   // The words are there at once; the picture is drawn meanwhile, where room is kept for it.
   const drawing = make("p", { class: "soft", text: "The picture is being drawn …" });
   const frame = make("div", { class: "picture", role: "status" }, drawing);
+  const example = `Below, an example: what it adds to a small knob that turns, with torques in mNm${torque === "N m" ? "" : `; the captures here are in ${torque}`}.`;
   byId("about-title").textContent = `${titleOf(id)}: ${name}`;
   byId("about-title").title = id;
   byId("about-text").replaceChildren(
@@ -66,6 +67,7 @@ export function about(effect, shown, torque) {
     shown ? acting(effect, shown) : "",
     make("div", { class: "columns-of-two" }, listed("Usual causes", causes), listed("What helps", remedies)),
     make("p", { class: "soft", text: `Acts on the ${PLACES[place] ?? place}. Shows ${shows}. Source: ${source}.` }),
+    make("p", { class: "soft", text: example }),
     frame,
   );
   dialog().showModal();

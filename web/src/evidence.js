@@ -1,7 +1,7 @@
 /** What a next experiment promises: its evidence as bars, its headline and its limits in words. */
 
 import { make } from "./dom.js";
-import { motionWords, number, torqueWord } from "./numbers.js";
+import { motionWords, number, torqueScale, torqueWord } from "./numbers.js";
 import { nodes } from "./said.js";
 
 /** @typedef {import("./types.js").Experiment} Experiment */
@@ -10,14 +10,14 @@ const LEAST_D = 0.1; // where the bars of D begin
 const MOST_D = 100; // and end: beyond it more tells no more, for nobody would choose the wrong one
 
 /**
- * What each limit of a motion is called, with its unit.
- * @param {Pick<import("./said.js").About, "coordinate" | "unit">} about
+ * What each limit of a motion is called, with its unit: of torques that of the plots.
+ * @param {import("./said.js").About} about
  * @returns {Record<string, string>}
  */
 export function limitWords(about) {
   const { theta, omega, alpha } = motionWords(about);
   return {
-    torque_Nm: `${torqueWord(about.unit)}, ${about.unit}`,
+    torque_Nm: `${torqueWord(about.unit)}, ${torqueScale(about).unit}`,
     omega_rad_s: `${omega.name}, ${omega.unit}`,
     alpha_rad_s2: `${alpha.name}, ${alpha.unit}`,
     theta_min_rad: `from ${theta.name}, ${theta.unit}`,
@@ -27,10 +27,15 @@ export function limitWords(about) {
   };
 }
 
+/** By what a limit in SI is shown. @param {string} name @param {import("./said.js").About} about */
+export function limitFactor(name, about) {
+  return name === "torque_Nm" ? torqueScale(about).factor : 1;
+}
+
 /**
  * How wide a limit would have to be, in words; a range by its two ends.
  * @param {Record<string, number>} wider limits by their names
- * @param {Pick<import("./said.js").About, "coordinate" | "unit">} about
+ * @param {import("./said.js").About} about
  */
 export function enoughWords({ theta_min_rad: from, ...wider }, about) {
   const { theta } = motionWords(about);
@@ -38,13 +43,13 @@ export function enoughWords({ theta_min_rad: from, ...wider }, about) {
   const [[name, to]] = Object.entries(wider);
   if (name === "duration_s") return `at most ${number(to)} s`;
   const [called, unit] = (limitWords(about)[name] ?? name).split(", ");
-  return `${called} up to ${number(to, 4)} ${unit}`;
+  return `${called} up to ${number(to * limitFactor(name, about), 4)} ${unit}`;
 }
 
 /**
  * What is said of limits, with the words of the form in the place of the names that files have.
  * @param {string} said
- * @param {Pick<import("./said.js").About, "coordinate" | "unit">} about
+ * @param {import("./said.js").About} about
  */
 export function ofLimits(said, about) {
   return said.startsWith("limits") ? inFormWords(said, about) : said;
@@ -53,11 +58,13 @@ export function ofLimits(said, about) {
 /**
  * Words with those of the form in the place of the names that files have for limits.
  * @param {string} said
- * @param {Pick<import("./said.js").About, "coordinate" | "unit">} about
+ * @param {import("./said.js").About} about
  */
 export function inFormWords(said, about) {
   const pairs = Object.entries(limitWords(about));
-  return pairs.reduce((words, [name, called]) => words.replaceAll(name, `“${called}”`), said);
+  const own = said.replaceAll(/(?<=torque_Nm: (?:is )?)-?\d[\d.e+-]*\d|(?<=torque_Nm: (?:is )?)-?\d/g, (value) =>
+    String(Number((Number(value) * limitFactor("torque_Nm", about)).toPrecision(6))));
+  return pairs.reduce((words, [name, called]) => words.replaceAll(name, `“${called}”`), own);
 }
 
 /**

@@ -6,6 +6,7 @@ import { number, thousands } from "./numbers.js";
 /** @typedef {Record<string, [number, number][]>} Runs of samples, first and last of each, by the ids of captures */
 
 const MOST = 1000; // runs at once of a capture
+const REST_MS = 150; // for which nothing else was chosen: what a brush moves over is not counted on its way
 
 /**
  * Keep the button that leaves out what is chosen.
@@ -24,7 +25,7 @@ export function leaving(linked, state, leave) {
     const runs = now();
     if (Object.keys(runs).length > 0) leave(runs);
   });
-  return () => {
+  const offer = () => {
     const runs = now();
     const every = Object.values(runs);
     button.hidden = every.length === 0;
@@ -33,6 +34,12 @@ export function leaving(linked, state, leave) {
     button.title = button.disabled
       ? "too many single samples: brush a stretch of time"
       : "nothing is fitted to them any more, and the model is fitted anew; Undo takes them in again";
+  };
+  let rest = 0;
+  return () => {
+    clearTimeout(rest);
+    if (!linked.chosen?.length) return offer(); // at once: there is nothing to count, and nothing to press any more
+    rest = setTimeout(offer, REST_MS);
   };
 }
 

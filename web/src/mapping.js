@@ -11,11 +11,12 @@ const MOTOR = ["A", "mA", "V", "duty"]; // of what a motor is given, on either a
 const COUNTS = "counts"; // of an encoder: how many a turn (a millimetre) has, no file says
 /** What counts are divided into, and how the unit of that is written. @type {Record<Kind, {words: string, unit: string}>} */
 const PER = { rotary: { words: "turn", unit: "turn" }, linear: { words: "millimetre", unit: "mm" } };
+const ROWS = "rows/s"; // of a log without a clock: what is typed is how many rows a second has
 const RATE = 20; // rows a unit of time, from which on the unit is taken for the second
 
 /** What a column can be, in words, and the units that it often has; the first is SI. @type {Record<string, Target>} */
 const TARGETS = {
-  t: { words: "Time", units: { rotary: ["s", "ms", "us", "min"], linear: ["s", "ms", "us", "min"] }, needed: true },
+  t: { words: "Time", units: { rotary: ["s", "ms", "us", "min", ROWS], linear: ["s", "ms", "us", "min", ROWS] }, needed: true },
   theta: {
     words: "Angle or position",
     ...{ units: { rotary: ["rad", "deg", "turn", COUNTS], linear: ["m", "mm", "um", COUNTS] }, needed: true },
@@ -37,6 +38,7 @@ const KINDS = /** @type {Kind[]} */ (["rotary", "linear"]);
 /** Of a unit of angle, how many degrees it has: for one sees at once whether a range is one of degrees.
  * @type {Record<string, number>} */
 const DEGREES = { rad: 180 / Math.PI, turn: 360 };
+const TURNS = 3; // from which on nobody counts degrees
 /** How loggers write some of them.
  * @type {Record<string, string>} */
 const SPELT = { "°": "deg", "°/s": "deg/s", "°/s²": "deg/s^2", "rad/s²": "rad/s^2", Nm: "N m", "1/min": "rpm", "U/min": "rpm",
@@ -82,7 +84,8 @@ export class Mapping {
   /** What the import is to be told; nothing where nothing is filled in. */
   options() {
     const filled = this.fields.filter(({ text }) => text.value.trim());
-    const map = filled.map(({ name, text, unit }) => {
+    const rate = filled.find(({ unit }) => unit.value === ROWS);
+    const map = filled.filter((one) => one !== rate).map(({ name, text, unit }) => {
       const written = text.value.trim();
       if (saysUnit(written) || !unit.value) return `${name}=${written}`;
       if (unit.value !== COUNTS) return `${name}=${written} [${unit.value}]`;
@@ -91,6 +94,7 @@ export class Mapping {
     /** @type {Record<string, string>} */
     const options = map.length > 0 ? { map: map.join(", ") } : {};
     if (map.length > 0 && this.kind) options.coordinate = this.kind;
+    if (rate) options.rate_hz = rate.text.value.trim();
     return options;
   }
 
@@ -109,6 +113,12 @@ export class Mapping {
     if (without) {
       without.unit.focus();
       return `In which unit is ${without.text.value}? (${without.target.words.toLowerCase()})`;
+    }
+    const absent = this.fields.find(({ target, text }) => target.needed && !text.value.trim());
+    if (absent) {
+      absent.text.focus();
+      if (absent.name !== "t") return `Which column is it? (${absent.target.words.toLowerCase()})`;
+      return `Which column is the time? Where there is none, type how many rows a second has, in ${ROWS}.`;
     }
     if (this.per.hidden || Number(this.counts.value) > 0) return "";
     this.counts.focus();
@@ -239,7 +249,9 @@ function spread(column, unit, counts, kind) {
     return `${ends} counts${counts > 0 ? `, over ${felt}` : ""}`;
   }
   if (unit === "s") return `${ends} s, ${number(rateOf(column))} rows a second`;
-  return `${ends} ${unit}${unit in DEGREES ? `, over ${number((high - low) * DEGREES[unit])} degrees` : ""}`;
+  const degrees = (high - low) * DEGREES[unit];
+  const felt = degrees > TURNS * 360 ? `${number(degrees / 360)} turns` : `${number(degrees)} degrees`;
+  return `${ends} ${unit}${unit in DEGREES ? `, over ${felt}` : ""}`;
 }
 
 /** Rows for each unit of a column that is a time. @param {FileColumn} column */

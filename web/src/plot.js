@@ -23,6 +23,7 @@ const FEW = 8000; // points of which each is worth a larger dot
 const FEW_CHOSEN = 20; // which are drawn larger
 const CLOUDS = 8; // that are kept: undo and redo, or a zoom and back, draw what was drawn before
 const AT_ONCE = 50_000; // points of a cloud that are drawn in the frame that shows new ones...
+const LIT_AT_ONCE = 200_000; // of chosen ones, while a brush moves: more than a plot has pixels
 const REST_MS = 150; // ...and all of them when nothing else has come for so long
 
 export class Plot {
@@ -53,6 +54,7 @@ export class Plot {
     /** @type {{x: Float32Array, y: Float32Array, frame: string, cloud: import("./raster.js").Cloud}[]} the oldest first */
     this.clouds = [];
     this.rest = 0; // the timer of what is still to be drawn
+    this.unlit = 0; // and of what is chosen
     /** @type {Pick | null} */
     this.pick = null;
     /** @type {Region | null} */
@@ -161,16 +163,21 @@ export class Plot {
    * Draw the second layer.
    * @param {Uint32Array | null} chosen indices of samples
    * @param {{y: Float32Array, colour: string} | null} above a cloud over the others: what an effect would explain
+   * @param {number} [every] of how many chosen points one is drawn, until all of them are
    */
-  drawLight(chosen, above) {
+  drawLight(chosen, above, every = Math.max(1, Math.ceil((chosen?.length ?? 0) / LIT_AT_ONCE))) {
+    clearTimeout(this.unlit);
     if (!this.contents || this.frame.width === 0) return;
+    if (every > 1) this.unlit = setTimeout(() => this.drawLight(chosen, above, 1), REST_MS);
     this.element.classList.toggle("dimmed", chosen !== null);
     const image = new ImageData(this.frame.width, this.frame.height);
     const pixels = new Uint32Array(image.data.buffer);
     if (chosen) {
-      const draw = chosen.length <= FEW_CHOSEN ? drawFew : drawPoints;
-      for (const [at, { chosen: colour }] of this.contents.series.entries()) {
-        if (colour) draw(pixels, this.pixels(at), chosen, this.frame, pixelColour(this.colour(colour)));
+      for (const [at, { chosen: name }] of this.contents.series.entries()) {
+        if (!name) continue;
+        const colour = pixelColour(this.colour(name));
+        if (chosen.length <= FEW_CHOSEN) drawFew(pixels, this.pixels(at), chosen, this.frame, colour);
+        else drawPoints(pixels, this.pixels(at), chosen, this.frame, colour, every);
       }
     }
     if (above) {

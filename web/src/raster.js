@@ -122,21 +122,20 @@ export function drawCloud(image, { counts, full }, colour, strength) {
  * @param {Uint32Array | null} chosen indices; all points where null
  * @param {Frame} frame
  * @param {number} colour
+ * @param {number} [every] of how many of them one is drawn
  */
-export function drawPoints(image, pixels, chosen, frame, colour) {
+export function drawPoints(image, pixels, chosen, frame, colour, every = 1) {
   const { dot, width } = frame;
   const count = chosen ? chosen.length : pixels.length;
   if (count < MANY * image.length) {
-    for (let i = 0; i < count; i++) drawDot(image, pixels[chosen ? chosen[i] : i], { dot, width }, colour);
+    for (let i = 0; i < count; i += every) drawDot(image, pixels[chosen ? chosen[i] : i], { dot, width }, colour);
     return;
   }
-  const corners = new Uint8Array(image.length); // of so many most share theirs with others, and each is drawn once
-  const note = (/** @type {number} */ pixel) => {
-    if (pixel >= 0) corners[pixel] = 1;
-  };
-  if (chosen) for (let i = 0; i < count; i++) note(pixels[chosen[i]]);
-  else for (let i = 0; i < count; i++) note(pixels[i]);
-  for (let pixel = 0; pixel < corners.length; pixel++) if (corners[pixel] === 1) drawDot(image, pixel, { dot, width }, colour);
+  // Of so many most share theirs with others, and each is drawn once. What is nowhere, at −1, is noted before the first.
+  const corners = new Uint8Array(image.length + 1);
+  if (chosen) for (let i = 0; i < count; i += every) corners[pixels[chosen[i]] + 1] = 1;
+  else for (let i = 0; i < count; i += every) corners[pixels[i] + 1] = 1;
+  for (let at = 1; at < corners.length; at++) if (corners[at] === 1) drawDot(image, at - 1, { dot, width }, colour);
 }
 
 /** @param {Uint32Array} image @param {number} pixel −1: nowhere @param {Pick<Frame, "dot" | "width">} frame @param {number} colour */

@@ -1,6 +1,6 @@
 /** The samples: fetched once, kept per capture and per node of the session. */
 
-import { ask, fetchBytes } from "./api.js";
+import { ask, early, fetchBytes } from "./api.js";
 
 /**
  * Columns of samples, all captures one after the other.
@@ -120,7 +120,10 @@ export class Store {
 
   /** @param {string} node @param {string} capture @param {string[]} names */
   async fetch(node, capture, names) {
-    const entries = Object.entries(decode(await fetchBytes("/api/arrays", { node, capture, names: names.join(",") })));
+    const there = decode(await (early(node, capture) ?? fetchBytes("/api/arrays", { node, capture, names: names.join(",") })));
+    const lacking = names.filter((name) => !(name in there));
+    const entries = Object.entries(there);
+    if (lacking.length > 0) entries.push(...Object.entries(decode(await fetchBytes("/api/arrays", { node, capture, names: lacking.join(",") }))));
     this.keep(capture, Object.fromEntries(entries.filter(([name]) => MOTION.has(name))));
     this.keep(`${capture} ${node}`, Object.fromEntries(entries.filter(([name]) => !MOTION.has(name))));
   }

@@ -83,13 +83,14 @@ export function boundsButton(effects, bounds, whose) {
  * @param {(effects: string[]) => void} apart
  * @param {(effect: string) => void} drop
  */
-export function showUntold(place, { untold, needless }, apart, drop) {
+export function showUntold(place, { untold, needless, active }, apart, drop) {
+  const these = active.length === 1 ? "this capture" : "these captures";
   const rows = untold.map((effects) =>
     make(
       "li",
       {},
       ...listed([effects[0]], ""),
-      " came in; these captures cannot tell it from ",
+      ` came in; ${these} cannot tell it from `,
       ...listed(effects.slice(1), ", "),
       ". ",
       apartButton(effects, apart),

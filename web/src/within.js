@@ -1,7 +1,7 @@
 /** Within which limits a motion is designed: those that the captures reached, unless others are typed. */
 
 import { byId } from "./dom.js";
-import { enoughWords, limitWords } from "./evidence.js";
+import { enoughWords, limitFactor, limitWords } from "./evidence.js";
 import { aboutOf } from "./said.js";
 
 /** @typedef {import("./types.js").State} State */
@@ -17,6 +17,8 @@ export class Within {
     /** @type {Record<string, number>} what the captures reached */
     this.reached = {};
     this.unit = "";
+    /** @type {import("./said.js").About | null} */
+    this.about = null;
     this.shown = ""; // what the fields were filled with: what is being typed stays
     /** @type {Enough | null} */
     this.enough = null;
@@ -42,9 +44,19 @@ export class Within {
     this.wanted = {};
     for (const { name, value, validity } of this.fields) {
       if (validity.badInput) this.wanted[name] = "no number"; // the program says what is wrong with it
-      else if (value.trim() !== "" && Number(value) !== shownLimit(name, this.reached[name], this.reached)) this.wanted[name] = Number(value);
+      else if (value.trim() !== "" && Number(value) !== this.shows(name, this.reached[name])) this.wanted[name] = Number(value) / this.factor(name);
     }
     this.shown = ""; // so that what is empty is filled again
+  }
+
+  /** By what a limit in SI is shown. @param {string} name */
+  factor(name) {
+    return this.about ? limitFactor(name, this.about) : 1;
+  }
+
+  /** A limit in SI as its field has it. @param {string} name @param {number} value */
+  shows(name, value) {
+    return shownLimit(name, value * this.factor(name), this.reached);
   }
 
   /** @returns {HTMLInputElement[]} */
@@ -61,14 +73,15 @@ export class Within {
     const unit = `${about.coordinate} ${about.unit}`;
     if (unit !== this.unit) this.wanted = {};
     this.unit = unit;
+    this.about = about;
     this.reached = state.limits ?? {};
-    const shown = JSON.stringify([unit, this.all]);
+    const shown = JSON.stringify([unit, this.factor("torque_Nm"), this.all]);
     if (shown === this.shown) return;
     this.shown = shown;
     const words = limitWords(about);
     for (const field of this.fields) {
       const value = this.all[field.name];
-      field.value = value === undefined ? "" : String(shownLimit(field.name, value, this.reached));
+      field.value = value === undefined ? "" : String(this.shows(field.name, value));
       if (field.name in words && field.previousElementSibling) field.previousElementSibling.textContent = words[field.name];
     }
     const own = Object.keys(this.wanted).length;

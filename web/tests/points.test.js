@@ -93,3 +93,20 @@ test("of many points every sixth makes the same picture in a fraction of the cou
   const of = (/** @type {Float32Array} */ all) => all.filter((_, i) => i % every === 0);
   assert.deepEqual(some, { ...cloudOf(of(xs), of(ys), frame), every });
 });
+
+test("of many points that are chosen those that are nowhere draw nothing, and the first pixel is one like others", () => {
+  const many = 4 * frame.width * frame.height;
+  const pixels = Int32Array.from({ length: many }, (_, at) => (at % 3 === 0 ? -1 : at % 3 === 1 ? 0 : 500));
+  const drawn = (/** @type {Uint32Array | null} */ chosen) => {
+    const image = new Uint32Array(frame.width * frame.height);
+    drawPoints(image, pixels, chosen, frame, 7);
+    return [...image.keys()].filter((at) => image[at] === 7);
+  };
+  const image = new Uint32Array(frame.width * frame.height);
+  drawPoints(image, pixels, null, frame, 7, 3); // of three one, and that is nowhere
+  assert.ok(image.every((pixel) => pixel === 0));
+  const corners = [0, 1, frame.width, frame.width + 1];
+  const nowhere = Uint32Array.from({ length: many / 3 }, (_, at) => 3 * at);
+  assert.deepEqual(drawn(nowhere), []);
+  assert.deepEqual(drawn(null), [...corners, ...corners.map((at) => 500 + at)].sort((one, other) => one - other));
+});

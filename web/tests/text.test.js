@@ -89,18 +89,21 @@ test("what stands for a torque is called by its unit", () => {
 });
 
 test("what is wrong with a limit is said in the words of its field", () => {
-  const about = /** @type {const} */ ({ coordinate: "rotary", unit: "N m" });
+  const about = /** @type {const} */ ({ coordinate: "rotary", unit: "N m", peak: 0.1 });
+  assert.equal(ofLimits("limits, torque_Nm: is -0.0012; give a number above 0", about), "limits, “torque, mNm”: is -1.2; give a number above 0");
+  assert.equal(ofLimits("limits, torque_Nm: 0.001 is too little; give more", { ...about, unit: "A" }), "limits, “current, A”: 0.001 is too little; give more");
   assert.equal(ofLimits("limits, omega_rad_s: is -1; give a number above 0", about), "limits, “velocity, rad/s”: is -1; give a number above 0");
   assert.equal(ofLimits("no file omega_rad_s", about), "no file omega_rad_s");
 });
 
 test("a wider limit is offered in words, a range by both of its ends", () => {
-  const about = /** @type {const} */ ({ coordinate: "rotary", unit: "A" });
+  const about = /** @type {const} */ ({ coordinate: "rotary", unit: "A", peak: 0.1 });
   const within = { theta_min_rad: 1, theta_max_rad: 2 };
   assert.equal(enoughWords(wider({ limit: "torque_Nm", to: 0.35352 }, within), about), "current up to 0.3535 A");
   assert.deepEqual(wider({ limit: "theta_max_rad", to: 2.5 }, within), { theta_min_rad: 0.5, theta_max_rad: 2.5 });
   assert.equal(enoughWords(wider({ limit: "theta_max_rad", to: 2.5 }, within), about), "angle from 0.5 to 2.5 rad");
   assert.equal(enoughWords({ duration_s: 20 }, about), "at most 20 s");
+  assert.equal(enoughWords({ torque_Nm: 0.0353 }, { coordinate: "rotary", unit: "N m", peak: 0.1 }), "torque up to 35.3 mNm", "as in the plots");
 });
 
 test("an end of a range has no more decimals than the range", () => {
@@ -121,9 +124,10 @@ test("a period says how often it returns", () => {
 });
 
 test("the limits of a slide's motion are in metres", () => {
-  assert.equal(limitWords({ coordinate: "linear", unit: "V" }).torque_Nm, "voltage, V");
-  assert.ok(Object.values(limitWords({ coordinate: "linear", unit: "N" })).every((words) => !/rad|angle|torque/.test(words)));
-  assert.equal(limitWords({ coordinate: "rotary", unit: "N m" }).alpha_rad_s2, "acceleration, rad/s²");
+  assert.equal(limitWords({ coordinate: "linear", unit: "V", peak: 5 }).torque_Nm, "voltage, V");
+  assert.ok(Object.values(limitWords({ coordinate: "linear", unit: "N", peak: 5 })).every((words) => !/rad|angle|torque/.test(words)));
+  assert.equal(limitWords({ coordinate: "rotary", unit: "N m", peak: 5 }).alpha_rad_s2, "acceleration, rad/s²");
+  assert.deepEqual([0.1, 5].map((peak) => limitWords({ coordinate: "rotary", unit: "N m", peak }).torque_Nm), ["torque, mNm", "torque, N m"]);
 });
 
 test("limits leave out what is not finite and are never empty", () => {

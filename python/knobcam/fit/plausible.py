@@ -9,7 +9,7 @@ import numpy as np
 
 from .. import _core
 from ..base.arrays import FloatArray
-from ..base.said import Advice, OfColumn, OfEffect, OfParam, Said, joined, number, said
+from ..base.said import Advice, OfColumn, OfEffect, OfParam, Quantity, Said, joined, number, said
 from ..model.effects import base_effects, base_effects_shown, effects
 from .knocked import of_knocks_alone
 from .power import gives_back
@@ -282,14 +282,20 @@ def _out_of_range(effect: str, fit: Fit) -> list[Said]:
     return found
 
 
-def out_of_range(estimate: Estimate, plausible: tuple[float, float]) -> str | None:
-    """Return what is implausible about a value, if it surely is out of its range."""
+def out_of_range(estimate: Estimate, plausible: tuple[float, float]) -> Said | None:
+    """Return what is implausible about a value, if it surely is out of its range; numbers have their unit."""
     low, high = plausible
     margin = RULE.sure * estimate.se if estimate.determined else 0.0
     if low <= estimate.value + margin and estimate.value - margin <= high:
         return None
-    limits = f"at least {low:g}" if math.isinf(high) else f"{low:g} to {high:g}"
-    return f"{estimate.value:.3g} is implausible: it should be {limits}"
+    words = "at least {low}" if math.isinf(high) else "{low} to {high}"
+    ends = {"low": _with_unit(low, estimate.unit, "g"), "high": _with_unit(high, estimate.unit, "g")}
+    value = _with_unit(estimate.value, estimate.unit, ".3g")
+    return said("{value} is implausible: it should be {limits}", value=value, limits=said(words, **ends))
+
+
+def _with_unit(value: float, unit: str, spec: str) -> Quantity | str:
+    return format(value, spec) if value == 0.0 or unit == "1" else number(value, unit, spec)
 
 
 def _pushed_out(candidate: Candidate, before: Fit) -> list[Said]:

@@ -112,7 +112,7 @@ def _slowness(fit: Fit, omega: FloatArray) -> Limitation | None:
         "no_slow_motion",
         said(
             "the speed never falls below {slow}: what friction does near standstill cannot show",
-            slow=number(_SLOW * top, unit, ".3g"),
+            slow=number(max(float(np.min(speed)), _SLOW * top), unit, ".3g"),
         ),
         "record slow turning and gentle reversals as well",
     )

@@ -120,7 +120,7 @@ def _doubtful(learned: LearningResult) -> str:
 def _strange(learned: LearningResult) -> dict[str, str]:
     """Return the parameters whose values are surely out of what is plausible, and why."""
     catalogue = learned.model.catalogue()
-    found = {}
+    found: dict[str, str] = {}
     for name, one in learned.params.items():
         effect, _, own = name.partition(".")
         why = None if one.held else out_of_range(one, catalogue[effect].parameter(own).plausible)
@@ -142,7 +142,7 @@ def _untold(learned: LearningResult) -> str:
     kind = learned.model.coordinate
     said = [
         f"{effect_word(added, kind)} from {or_words([effect_word(other, kind) for other in others])}: "
-        f"{'either' if len(others) == 1 else 'each'} explains these captures"
+        f"{'either' if len(others) == 1 else 'each'} explains {_these(learned).lower()}"
         for added, others in untold_of_each(learned.ladder).items()
     ]
     said += [worded(one.message, kind) for one in learned.limitations]
@@ -178,7 +178,7 @@ def _next(learned: LearningResult) -> str:
     said = []
     if untold_of_each(learned.ladder):
         how = "Tell apart in the workbench, or the command knobcam next,"
-        said.append(f"the motion that tells them apart, which {how} designs for these captures")
+        said.append(f"the motion that tells them apart, which {how} designs for {_these(learned).lower()}")
     said += dict.fromkeys(one.record for one in learned.limitations)
     if learned.record is not None:
         said.append(f"to see more of what no effect explains: {learned.record}")

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+from urllib.parse import urlencode
 
 import numpy as np
 
@@ -31,6 +32,19 @@ _MODEL: Mapping[str, Callable[[View, int], FloatArray]] = {
 }
 NAMES = (*_MOTION, *_MODEL)
 _ALIGNED = 4  # bytes of a 32-bit float
+_FIRST = ("t", "theta", "omega", "tau", "residual", "masked")
+"""What the page draws before anybody chooses: of other columns it asks beside these."""
+
+
+def ahead(document: Mapping[str, Any], token: str) -> str:
+    """Return links by which a browser asks for the first samples while it still reads the page."""
+    node, captures = document["node"], document["active"] if document["node"] else ()
+    found = []
+    for capture in captures:
+        asked = urlencode({"node": node, "capture": capture, "names": ",".join(_FIRST), "token": token})
+        link = f"/api/arrays?{asked}".replace("&", "&amp;")
+        found.append(f'<link rel="preload" as="fetch" crossorigin="anonymous" href="{link}">')
+    return "".join(found)
 
 
 def columns(view: View, at: int, names: Sequence[str]) -> bytes:

@@ -32,7 +32,12 @@ class Patient(H11Protocol):
         if len(there) > MOST:
             waiting = [one for one in there if one.waits and one is not self]
             min(waiting, key=lambda one: one.since, default=self).transport.abort()
-        self.loop.call_later(_LOOKS_S, self._look)
+        self._next = self.loop.call_later(_LOOKS_S, self._look)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Look no more at what is gone: its transport has nothing left to end."""
+        self._next.cancel()
+        super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
         """Count what comes."""
@@ -74,4 +79,4 @@ class Patient(H11Protocol):
             if self.came and (self.cycle is None or not self.cycle.response_started):
                 self.transport.write(_TOO_LATE)
             self.transport.close()
-        self.loop.call_later(_LOOKS_S, self._look)
+        self._next = self.loop.call_later(_LOOKS_S, self._look)

@@ -150,10 +150,11 @@ class _Server:
         self.shared = Shared()
         self.uploads = 0
 
-    async def page(self, _: Request) -> Response:
+    async def page(self, request: Request) -> Response:
         """The page, with what it would ask for first."""
-        state = island(await run_in_threadpool(self.bench.document), "first-state")
-        body = self.index.replace(b"</head>", state.encode() + b"</head>", 1)
+        document = await run_in_threadpool(self.bench.document)
+        head = arrays.ahead(document, request.query_params.get("token", "")) + island(document, "first-state")
+        body = self.index.replace(b"</head>", head.encode() + b"</head>", 1)
         return Response(body, headers={"content-type": _TYPES[".html"]})
 
     async def file(self, request: Request) -> Response:

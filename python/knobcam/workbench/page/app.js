@@ -38,6 +38,19 @@ async function fetchBytes(path, query, signal) {
   const answer = await request(`${path}?${new URLSearchParams(query)}`, { signal });
   return answer.arrayBuffer();
 }
+function early(node, capture) {
+  if (!("document" in globalThis)) return null;
+  const links = (
+    /** @type {NodeListOf<HTMLLinkElement>} */
+    document.querySelectorAll("link[rel=preload]")
+  );
+  const link2 = [...links].find(({ href }) => {
+    const asked2 = new URL(href).searchParams;
+    return asked2.get("node") === node && asked2.get("capture") === capture;
+  });
+  link2?.remove();
+  return link2 ? fetch(link2.href).then((answer) => answer.ok ? answer.arrayBuffer() : Promise.reject(new Refusal(`the workbench answered ${answer.status}`))) : null;
+}
 async function fetchPicture(effect) {
   return (await request(`/api/picture?${new URLSearchParams({ effect })}`)).blob();
 }
@@ -497,7 +510,7 @@ function rowsOf(data, view, widest) {
     if (along === "frequency") return { torque: null, residual: alongFrequency(data), beside: null };
     const axis2 = AXES[along];
     const x = axis2.column ? columns[axis2.column] : model;
-    const common = { x, xAxis: axisOf(along, along === "time" ? x : counted(model, x), data), picked: 0 };
+    const common = { x, xAxis: axisOf(along, along === "time" ? span(x) : spanOf(model)(x), data), picked: 0 };
     const part = view.isolated && axis2.part ? columns[axis2.part] : null;
     const { measured: measured2, modelled } = part ? isolated(columns, part) : { measured: fitted, modelled: model };
     const series = [
@@ -546,8 +559,7 @@ function alongFrequency({ splits, unit, peak, fitted }) {
     yAxis: { low: least, high: most, factor: scale.factor, label: `RMS per bin, ${scale.unit}`, log: true }
   };
 }
-function axisOf(along, x, data) {
-  const [low, high] = span(x);
+function axisOf(along, [low, high], data) {
   return { low, high, factor: 1, label: labelOf(along, data) };
 }
 function axisWord(along, unit) {
@@ -576,16 +588,37 @@ var modelOf = remembered((residual, tau) => {
   for (let i = 0; i < tau.length; i++) model[i] = tau[i] - residual[i];
   return model;
 });
-var countedIn = /* @__PURE__ */ new WeakMap();
-function counted(model, column) {
-  const known2 = countedIn.get(model) ?? remembered((values) => values.map((value, i) => model[i] === model[i] ? value : NaN));
-  countedIn.set(model, known2);
-  return known2(column);
+function counted(model, tau) {
+  const known2 = lastCounted.get(tau);
+  if (known2 && sameGaps(known2, tau, model)) return known2;
+  const found2 = new Float32Array(tau.length);
+  for (let i = 0; i < tau.length; i++) found2[i] = model[i] === model[i] ? tau[i] : NaN;
+  lastCounted.set(tau, found2);
+  return found2;
 }
-var notCounted = remembered(
-  (fitted, tau, masked) => fitted.map((value, i) => value === value ? NaN : masked[i] === masked[i] ? masked[i] : tau[i])
+var lastCounted = /* @__PURE__ */ new WeakMap();
+function sameGaps(found2, tau, model) {
+  for (let i = 0; i < tau.length; i++) if (tau[i] === tau[i] && found2[i] === found2[i] !== (model[i] === model[i])) return false;
+  return true;
+}
+var notCounted = remembered((fitted, tau, masked) => {
+  const found2 = new Float32Array(tau.length);
+  for (let i = 0; i < tau.length; i++) found2[i] = fitted[i] === fitted[i] ? NaN : masked[i] === masked[i] ? masked[i] : tau[i];
+  return found2;
+});
+var AIR = 0.01;
+var span = remembered((x) => limits([x], { air: AIR }));
+var spanOf = remembered(
+  (model) => remembered((x) => {
+    let [low, high] = [NaN, NaN];
+    for (let i = 0; i < x.length; i++) {
+      if (model[i] !== model[i]) continue;
+      if (!(x[i] >= low)) low = x[i] === x[i] ? x[i] : low;
+      if (!(x[i] <= high)) high = x[i] === x[i] ? x[i] : high;
+    }
+    return limits([Float32Array.of(low, high)], { air: AIR });
+  })
 );
-var span = remembered((x) => limits([x], { air: 0.01 }));
 function short(name2) {
   return name2.length > NAME ? `${name2.slice(0, NAME)}…` : name2;
 }
@@ -1159,13 +1192,14 @@ function boundsButton(effects, bounds, whose) {
   const title = "the limits of your rig, within which it is designed";
   return make("button", { type: "button", text: "Limits…", title, "aria-label": `Limits… ${whose}`, on: { click: () => bounds(effects) } });
 }
-function showUntold(place4, { untold, needless }, apart2, drop) {
+function showUntold(place4, { untold, needless, active }, apart2, drop) {
+  const these = active.length === 1 ? "this capture" : "these captures";
   const rows = untold.map(
     (effects) => make(
       "li",
       {},
       ...listed([effects[0]], ""),
-      " came in; these captures cannot tell it from ",
+      ` came in; ${these} cannot tell it from `,
       ...listed(effects.slice(1), ", "),
       ". ",
       apartButton(effects, apart2)
@@ -1748,6 +1782,7 @@ function about(effect, shown2, torque) {
   const { effect: id, place: place4, source, shows, name: name2, about: sentence2, causes, remedies } = effect;
   const drawing = make("p", { class: "soft", text: "The picture is being drawn …" });
   const frame = make("div", { class: "picture", role: "status" }, drawing);
+  const example = `Below, an example: what it adds to a small knob that turns, with torques in mNm${torque === "N m" ? "" : `; the captures here are in ${torque}`}.`;
   byId("about-title").textContent = `${titleOf(id)}: ${name2}`;
   byId("about-title").title = id;
   byId("about-text").replaceChildren(
@@ -1757,6 +1792,7 @@ function about(effect, shown2, torque) {
     shown2 ? acting(effect, shown2) : "",
     make("div", { class: "columns-of-two" }, listed2("Usual causes", causes), listed2("What helps", remedies)),
     make("p", { class: "soft", text: `Acts on the ${PLACES[place4] ?? place4}. Shows ${shows}. Source: ${source}.` }),
+    make("p", { class: "soft", text: example }),
     frame
   );
   dialog().showModal();
@@ -1796,7 +1832,7 @@ var MOST_D = 100;
 function limitWords(about2) {
   const { theta, omega, alpha } = motionWords(about2);
   return {
-    torque_Nm: `${torqueWord(about2.unit)}, ${about2.unit}`,
+    torque_Nm: `${torqueWord(about2.unit)}, ${torqueScale(about2).unit}`,
     omega_rad_s: `${omega.name}, ${omega.unit}`,
     alpha_rad_s2: `${alpha.name}, ${alpha.unit}`,
     theta_min_rad: `from ${theta.name}, ${theta.unit}`,
@@ -1805,20 +1841,24 @@ function limitWords(about2) {
     sample_rate_hz: "recorded at, Hz"
   };
 }
+function limitFactor(name2, about2) {
+  return name2 === "torque_Nm" ? torqueScale(about2).factor : 1;
+}
 function enoughWords({ theta_min_rad: from, ...wider2 }, about2) {
   const { theta } = motionWords(about2);
   if (from !== void 0) return `${theta.name} from ${number(from)} to ${number(wider2.theta_max_rad)} ${theta.unit}`;
   const [[name2, to]] = Object.entries(wider2);
   if (name2 === "duration_s") return `at most ${number(to)} s`;
   const [called2, unit] = (limitWords(about2)[name2] ?? name2).split(", ");
-  return `${called2} up to ${number(to, 4)} ${unit}`;
+  return `${called2} up to ${number(to * limitFactor(name2, about2), 4)} ${unit}`;
 }
 function ofLimits(said, about2) {
   return said.startsWith("limits") ? inFormWords(said, about2) : said;
 }
 function inFormWords(said, about2) {
   const pairs = Object.entries(limitWords(about2));
-  return pairs.reduce((words4, [name2, called2]) => words4.replaceAll(name2, `“${called2}”`), said);
+  const own = said.replaceAll(/(?<=torque_Nm: (?:is )?)-?\d[\d.e+-]*\d|(?<=torque_Nm: (?:is )?)-?\d/g, (value) => String(Number((Number(value) * limitFactor("torque_Nm", about2)).toPrecision(6))));
+  return pairs.reduce((words4, [name2, called2]) => words4.replaceAll(name2, `“${called2}”`), own);
 }
 function bars({ names, d, standard_d, wrong_choice, came }, about2, told) {
   const share = (value) => `${100 * Math.log(Math.min(Math.max(value, LEAST_D), MOST_D) / LEAST_D) / Math.log(MOST_D / LEAST_D)}%`;
@@ -1848,9 +1888,10 @@ function bars({ names, d, standard_d, wrong_choice, came }, about2, told) {
 var MOTOR = ["A", "mA", "V", "duty"];
 var COUNTS = "counts";
 var PER = { rotary: { words: "turn", unit: "turn" }, linear: { words: "millimetre", unit: "mm" } };
+var ROWS = "rows/s";
 var RATE = 20;
 var TARGETS = {
-  t: { words: "Time", units: { rotary: ["s", "ms", "us", "min"], linear: ["s", "ms", "us", "min"] }, needed: true },
+  t: { words: "Time", units: { rotary: ["s", "ms", "us", "min", ROWS], linear: ["s", "ms", "us", "min", ROWS] }, needed: true },
   theta: {
     words: "Angle or position",
     ...{ units: { rotary: ["rad", "deg", "turn", COUNTS], linear: ["m", "mm", "um", COUNTS] }, needed: true }
@@ -1873,6 +1914,7 @@ var KINDS2 = (
   ["rotary", "linear"]
 );
 var DEGREES = { rad: 180 / Math.PI, turn: 360 };
+var TURNS = 3;
 var SPELT = {
   "°": "deg",
   "°/s": "deg/s",
@@ -1924,7 +1966,8 @@ var Mapping = class {
   /** What the import is to be told; nothing where nothing is filled in. */
   options() {
     const filled = this.fields.filter(({ text }) => text.value.trim());
-    const map = filled.map(({ name: name2, text, unit }) => {
+    const rate = filled.find(({ unit }) => unit.value === ROWS);
+    const map = filled.filter((one) => one !== rate).map(({ name: name2, text, unit }) => {
       const written = text.value.trim();
       if (saysUnit(written) || !unit.value) return `${name2}=${written}`;
       if (unit.value !== COUNTS) return `${name2}=${written} [${unit.value}]`;
@@ -1932,6 +1975,7 @@ var Mapping = class {
     });
     const options = map.length > 0 ? { map: map.join(", ") } : {};
     if (map.length > 0 && this.kind) options.coordinate = this.kind;
+    if (rate) options.rate_hz = rate.text.value.trim();
     return options;
   }
   /**
@@ -1949,6 +1993,12 @@ var Mapping = class {
     if (without) {
       without.unit.focus();
       return `In which unit is ${without.text.value}? (${without.target.words.toLowerCase()})`;
+    }
+    const absent = this.fields.find(({ target, text }) => target.needed && !text.value.trim());
+    if (absent) {
+      absent.text.focus();
+      if (absent.name !== "t") return `Which column is it? (${absent.target.words.toLowerCase()})`;
+      return `Which column is the time? Where there is none, type how many rows a second has, in ${ROWS}.`;
     }
     if (this.per.hidden || Number(this.counts.value) > 0) return "";
     this.counts.focus();
@@ -2058,11 +2108,13 @@ function spread(column, unit, counts, kind) {
   const ends2 = `${number(low)} … ${number(high)}`;
   if (unit === COUNTS) {
     const way = (high - low) / counts;
-    const felt = kind === "linear" ? `${number(way)} mm` : `${number(360 * way)} degrees`;
-    return `${ends2} counts${counts > 0 ? `, over ${felt}` : ""}`;
+    const felt2 = kind === "linear" ? `${number(way)} mm` : `${number(360 * way)} degrees`;
+    return `${ends2} counts${counts > 0 ? `, over ${felt2}` : ""}`;
   }
   if (unit === "s") return `${ends2} s, ${number(rateOf(column))} rows a second`;
-  return `${ends2} ${unit}${unit in DEGREES ? `, over ${number((high - low) * DEGREES[unit])} degrees` : ""}`;
+  const degrees = (high - low) * DEGREES[unit];
+  const felt = degrees > TURNS * 360 ? `${number(degrees / 360)} turns` : `${number(degrees)} degrees`;
+  return `${ends2} ${unit}${unit in DEGREES ? `, over ${felt}` : ""}`;
 }
 function rateOf({ rows, low, high }) {
   return (rows - 1) / ((high ?? 0) - (low ?? 0));
@@ -2423,6 +2475,7 @@ function latest(work) {
 
 // src/leaving.js
 var MOST = 1e3;
+var REST_MS = 150;
 function leaving(linked, state, leave) {
   const button = (
     /** @type {HTMLButtonElement} */
@@ -2436,13 +2489,19 @@ function leaving(linked, state, leave) {
     const runs = now();
     if (Object.keys(runs).length > 0) leave(runs);
   });
-  return () => {
+  const offer = () => {
     const runs = now();
     const every = Object.values(runs);
     button.hidden = every.length === 0;
     button.disabled = every.some((one) => one.length > MOST);
     button.textContent = linked.data ? words2(every.flat(), linked.data) : "";
     button.title = button.disabled ? "too many single samples: brush a stretch of time" : "nothing is fitted to them any more, and the model is fitted anew; Undo takes them in again";
+  };
+  let rest = 0;
+  return () => {
+    clearTimeout(rest);
+    if (!linked.chosen?.length) return offer();
+    rest = setTimeout(offer, REST_MS);
   };
 }
 function stretchOf(linked) {
@@ -2554,10 +2613,10 @@ function overWords(over, about2) {
 function factorOf(times2) {
   return times2 in ALONG ? variableOf(times2) : `(${times2})`;
 }
-var TURNS = { t: "t", theta: "θ", omega: "ω", alpha: "α", s: "s" };
-var SLIDES = { ...TURNS, theta: "x", omega: "v", alpha: "dv/dt" };
+var TURNS2 = { t: "t", theta: "θ", omega: "ω", alpha: "α", s: "s" };
+var SLIDES = { ...TURNS2, theta: "x", omega: "v", alpha: "dv/dt" };
 function lettered(variables, { coordinate }) {
-  const letters = coordinate === "linear" ? SLIDES : TURNS;
+  const letters = coordinate === "linear" ? SLIDES : TURNS2;
   return variables.map((one) => one in letters ? `${variableOf(one)} ${letters[one]}` : variableOf(one)).join(", ");
 }
 function variableOf(variable) {
@@ -2815,7 +2874,7 @@ function edited(law, start) {
 }
 
 // src/going.js
-var REST_MS = 300;
+var REST_MS2 = 300;
 function showLeft(left, { go, anew }) {
   byId("left-behind").hidden = left.length === 0;
   const rows = left.map(
@@ -2853,7 +2912,7 @@ var Looking = class {
       this.kept = JSON.stringify(now);
       post("look", now).catch(() => {
       });
-    }, REST_MS);
+    }, REST_MS2);
   }
 };
 
@@ -3123,20 +3182,17 @@ function drawCloud(image, { counts, full }, colour, strength) {
     image[at] = image[at] === ground ? alone[many] : mixed(image[at], colour, weights[many]);
   }
 }
-function drawPoints(image, pixels, chosen, frame, colour) {
+function drawPoints(image, pixels, chosen, frame, colour, every = 1) {
   const { dot: dot2, width } = frame;
   const count = chosen ? chosen.length : pixels.length;
   if (count < MANY2 * image.length) {
-    for (let i = 0; i < count; i++) drawDot(image, pixels[chosen ? chosen[i] : i], { dot: dot2, width }, colour);
+    for (let i = 0; i < count; i += every) drawDot(image, pixels[chosen ? chosen[i] : i], { dot: dot2, width }, colour);
     return;
   }
-  const corners = new Uint8Array(image.length);
-  const note = (pixel) => {
-    if (pixel >= 0) corners[pixel] = 1;
-  };
-  if (chosen) for (let i = 0; i < count; i++) note(pixels[chosen[i]]);
-  else for (let i = 0; i < count; i++) note(pixels[i]);
-  for (let pixel = 0; pixel < corners.length; pixel++) if (corners[pixel] === 1) drawDot(image, pixel, { dot: dot2, width }, colour);
+  const corners = new Uint8Array(image.length + 1);
+  if (chosen) for (let i = 0; i < count; i += every) corners[pixels[chosen[i]] + 1] = 1;
+  else for (let i = 0; i < count; i += every) corners[pixels[i] + 1] = 1;
+  for (let at = 1; at < corners.length; at++) if (corners[at] === 1) drawDot(image, at - 1, { dot: dot2, width }, colour);
 }
 function drawDot(image, pixel, { dot: dot2, width }, colour) {
   if (pixel < 0) return;
@@ -3189,7 +3245,8 @@ var FEW5 = 8e3;
 var FEW_CHOSEN = 20;
 var CLOUDS = 8;
 var AT_ONCE = 5e4;
-var REST_MS2 = 150;
+var LIT_AT_ONCE = 2e5;
+var REST_MS3 = 150;
 var Plot = class {
   /**
    * @param {string} name in words, for those who hear the page
@@ -3213,6 +3270,7 @@ var Plot = class {
     this.placed = [];
     this.clouds = [];
     this.rest = 0;
+    this.unlit = 0;
     this.pick = null;
     this.region = null;
     this.scale = 1;
@@ -3265,7 +3323,7 @@ var Plot = class {
     this.base.getContext("2d")?.putImageData(image, 0, 0);
     clearTimeout(this.rest);
     const whole = () => this.contents === contents && this.drawBase(contents, 1);
-    if (clouds2.some((cloud) => cloud.every > 1)) this.rest = setTimeout(() => idle(whole), REST_MS2);
+    if (clouds2.some((cloud) => cloud.every > 1)) this.rest = setTimeout(() => idle(whole), REST_MS3);
   }
   /**
    * How many dots each pixel has, of all points where that is known.
@@ -3310,16 +3368,21 @@ var Plot = class {
    * Draw the second layer.
    * @param {Uint32Array | null} chosen indices of samples
    * @param {{y: Float32Array, colour: string} | null} above a cloud over the others: what an effect would explain
+   * @param {number} [every] of how many chosen points one is drawn, until all of them are
    */
-  drawLight(chosen, above) {
+  drawLight(chosen, above, every = Math.max(1, Math.ceil((chosen?.length ?? 0) / LIT_AT_ONCE))) {
+    clearTimeout(this.unlit);
     if (!this.contents || this.frame.width === 0) return;
+    if (every > 1) this.unlit = setTimeout(() => this.drawLight(chosen, above, 1), REST_MS3);
     this.element.classList.toggle("dimmed", chosen !== null);
     const image = new ImageData(this.frame.width, this.frame.height);
     const pixels = new Uint32Array(image.data.buffer);
     if (chosen) {
-      const draw2 = chosen.length <= FEW_CHOSEN ? drawFew : drawPoints;
-      for (const [at, { chosen: colour }] of this.contents.series.entries()) {
-        if (colour) draw2(pixels, this.pixels(at), chosen, this.frame, pixelColour(this.colour(colour)));
+      for (const [at, { chosen: name2 }] of this.contents.series.entries()) {
+        if (!name2) continue;
+        const colour = pixelColour(this.colour(name2));
+        if (chosen.length <= FEW_CHOSEN) drawFew(pixels, this.pixels(at), chosen, this.frame, colour);
+        else drawPoints(pixels, this.pixels(at), chosen, this.frame, colour, every);
       }
     }
     if (above) {
@@ -3912,7 +3975,10 @@ var Store = class {
   }
   /** @param {string} node @param {string} capture @param {string[]} names */
   async fetch(node, capture, names) {
-    const entries = Object.entries(decode(await fetchBytes("/api/arrays", { node, capture, names: names.join(",") })));
+    const there = decode(await (early(node, capture) ?? fetchBytes("/api/arrays", { node, capture, names: names.join(",") })));
+    const lacking = names.filter((name2) => !(name2 in there));
+    const entries = Object.entries(there);
+    if (lacking.length > 0) entries.push(...Object.entries(decode(await fetchBytes("/api/arrays", { node, capture, names: lacking.join(",") }))));
     this.keep(capture, Object.fromEntries(entries.filter(([name2]) => MOTION.has(name2))));
     this.keep(`${capture} ${node}`, Object.fromEntries(entries.filter(([name2]) => !MOTION.has(name2))));
   }
@@ -4527,6 +4593,7 @@ var Within = class {
     this.wanted = {};
     this.reached = {};
     this.unit = "";
+    this.about = null;
     this.shown = "";
     this.enough = null;
     byId("next-limits").addEventListener("submit", (event) => {
@@ -4552,9 +4619,17 @@ var Within = class {
     this.wanted = {};
     for (const { name: name2, value, validity } of this.fields) {
       if (validity.badInput) this.wanted[name2] = "no number";
-      else if (value.trim() !== "" && Number(value) !== shownLimit(name2, this.reached[name2], this.reached)) this.wanted[name2] = Number(value);
+      else if (value.trim() !== "" && Number(value) !== this.shows(name2, this.reached[name2])) this.wanted[name2] = Number(value) / this.factor(name2);
     }
     this.shown = "";
+  }
+  /** By what a limit in SI is shown. @param {string} name */
+  factor(name2) {
+    return this.about ? limitFactor(name2, this.about) : 1;
+  }
+  /** A limit in SI as its field has it. @param {string} name @param {number} value */
+  shows(name2, value) {
+    return shownLimit(name2, value * this.factor(name2), this.reached);
   }
   /** @returns {HTMLInputElement[]} */
   get fields() {
@@ -4569,14 +4644,15 @@ var Within = class {
     const unit = `${about2.coordinate} ${about2.unit}`;
     if (unit !== this.unit) this.wanted = {};
     this.unit = unit;
+    this.about = about2;
     this.reached = state.limits ?? {};
-    const shown2 = JSON.stringify([unit, this.all]);
+    const shown2 = JSON.stringify([unit, this.factor("torque_Nm"), this.all]);
     if (shown2 === this.shown) return;
     this.shown = shown2;
     const words4 = limitWords(about2);
     for (const field3 of this.fields) {
       const value = this.all[field3.name];
-      field3.value = value === void 0 ? "" : String(shownLimit(field3.name, value, this.reached));
+      field3.value = value === void 0 ? "" : String(this.shows(field3.name, value));
       if (field3.name in words4 && field3.previousElementSibling) field3.previousElementSibling.textContent = words4[field3.name];
     }
     const own = Object.keys(this.wanted).length;
