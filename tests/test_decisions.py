@@ -179,7 +179,7 @@ def test_a_value_is_implausible_only_where_its_error_leaves_no_doubt():
     for off in (3.0 + edge, 1.0 - edge):
         beyond = math.copysign(1e-6, off - 2.0)
         assert out_of_range(estimate(off - beyond, 0.1), inside) is None
-        assert "1 to 3" in (out_of_range(estimate(off + beyond, 0.1), inside) or "")
+        assert "1 N m to 3 N m" in (out_of_range(estimate(off + beyond, 0.1), inside) or "")
         # What the data say nothing about has no error to hide behind.
         assert out_of_range(estimate(off - beyond, math.inf), inside) is not None
     assert "at least 1" in (out_of_range(estimate(0.2, 0.0), (1.0, math.inf)) or "")
