@@ -353,5 +353,5 @@ def test_a_file_that_is_handed_over_is_refused_by_its_own_name_once(client: http
     log = f"Time,Position,Iq\n{rows}\n".encode()
     answer = client.post("/api/upload", content=log, headers={"x-filename": "motor.csv"})
     said = answer.json()["error"]
-    assert answer.status_code == 400 and "unit" in said
+    assert answer.status_code == 400 and "say which column is which, and in what unit" in said
     assert said.startswith("motor.csv: Iq seems to be the motor's current") and said.count("motor.csv") == 1

@@ -1,7 +1,7 @@
 //! The one stepper: a body under loads and dry friction from one instant to the next. Friction is dry, and so implicit: it
 //! stops the body at the end of a step if it can (Moreau 1988).
 
-use crate::motion::Load;
+use crate::motion::{Load, Motion};
 use crate::scalar::{Branches, Lanes, Scalar};
 
 /// A body that turns.
@@ -129,8 +129,8 @@ impl<T: Branches> Body<T> {
     /// The sign of its velocity, 0 at rest: the way that its loads were looked at.
     #[inline(always)]
     fn direction(&self) -> T {
-        let one = T::of(1.0);
-        self.omega.where_positive(one, (-self.omega).where_positive(-one, T::of(0.0)))
+        let zero = T::of(0.0);
+        Motion::exact(zero, zero, self.omega, zero).direction()
     }
 
     /// Its speed after a step of `h` seconds under what acts on it and under a torque along its motion that is

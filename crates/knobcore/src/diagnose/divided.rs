@@ -36,8 +36,7 @@ fn with_joint(screen: &Screen<'_>, joint: Id, kept: f64, behind: f64) -> Option<
         let param = slot.param;
         let new = match param.unit {
             unit if slot.effect != joint => {
-                let own: Vec<f64> = slot_values(model, slot.effect);
-                let late = slot.effect.law().builds_up_over(&own).is_some();
+                let late = model.builds_up_over_by(slot.effect).is_some();
                 if late && unit == Unit::of(0, 1, 0) { kept * *value } else { *value }
             }
             unit if unit == Unit::of(1, -1, 0) => stiffness,
@@ -48,16 +47,6 @@ fn with_joint(screen: &Screen<'_>, joint: Id, kept: f64, behind: f64) -> Option<
     }
     with.set_values(&values);
     Some(with)
-}
-
-/// The values of an effect's parameters.
-fn slot_values(model: &Model, id: Id) -> Vec<f64> {
-    model
-        .slots()
-        .iter()
-        .filter(|slot| slot.effect == id && slot.run.is_none())
-        .map(|slot| slot.value)
-        .collect()
 }
 
 #[cfg(test)]

@@ -36,12 +36,14 @@ impl Model {
     /// Over which distance its friction builds up after a reversal, rad or m; none where it is there at once. A joint
     /// that gives way as far does nearly the same.
     pub fn builds_up_over(&self) -> Option<f64> {
-        let over = |id: Id| {
-            let own = self.slots.iter().filter(|slot| slot.effect == id && slot.run.is_none());
-            let values: Vec<f64> = own.map(|slot| slot.value).collect();
-            id.law().builds_up_over(&values)
-        };
-        self.effects().filter_map(over).reduce(f64::max)
+        self.effects().filter_map(|id| self.builds_up_over_by(id)).reduce(f64::max)
+    }
+
+    /// The same of one of its effects.
+    pub fn builds_up_over_by(&self, id: Id) -> Option<f64> {
+        let own = self.slots.iter().filter(|slot| slot.effect == id && slot.run.is_none());
+        let values: Vec<f64> = own.map(|slot| slot.value).collect();
+        id.law().builds_up_over(&values)
     }
 
     /// Whether an effect loads the shaft and not the knob behind a joint.

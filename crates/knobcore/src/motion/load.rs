@@ -168,11 +168,10 @@ impl<T: Scalar> Load<T> {
     /// over a distance does not turn round at once, whichever way the knob goes on.
     #[inline(always)]
     pub fn rubs_either_way(&self, direction: T) -> [[T; 2]; 2] {
-        let (zero, one) = (T::of(0.0), T::of(1.0));
-        let way = |sign: T, forward: T| {
-            self.rubs_with(self.hysteresis + self.builds_up * (direction - sign), forward)
-        };
-        [way(-one, zero), way(one, one)]
+        [-1.0, 1.0].map(|way| {
+            let hysteresis = self.hysteresis + self.builds_up * (direction - T::of(way));
+            self.rubs_with(hysteresis, T::of(0.5 * (1.0 + way)))
+        })
     }
 
     #[inline(always)]
