@@ -30,6 +30,7 @@ EVERY = 4
         "strange/vibration:90001",
         "lag/sample:90001",
         "moving/compliance:90001",
+        "moving/presliding:479002",
     ],
 )
 def test_what_is_hidden_in_a_knob_is_named_and_what_has_no_name_is_not(case: str) -> None:

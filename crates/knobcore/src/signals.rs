@@ -1,6 +1,6 @@
 //! Prepared signals: what a fit sees of one capture.
 
-use crate::chain::Follow;
+use crate::chain::{Begins, Follow};
 use crate::filter::ZeroPhase;
 use crate::isa;
 use crate::model::Run;
@@ -62,9 +62,8 @@ pub struct Signals {
     pub filter: Option<ZeroPhase>,
     /// Steps per sample of a motion that is simulated; at least one.
     pub substeps: usize,
-    /// Where a hidden knob is at the first sample of a passage, if not with the shaft: that sample, and by how much and
-    /// how fast the shaft is ahead, rad and rad/s.
-    pub begins: Vec<(usize, [f64; 2])>,
+    /// Samples at which a passage begins otherwise than with a knob that is with its shaft and has not moved, and how.
+    pub begins: Vec<(usize, Begins)>,
 }
 
 /// A stretch of a segment that is evaluated at once: `whole` includes what the filter needs around `core`.
@@ -151,9 +150,10 @@ impl Signals {
         [&self.t, &self.theta, &self.omega, &self.alpha, &self.forward].map(|x| &x[range.clone()])
     }
 
-    /// How a hidden knob is followed from a sample on.
+    /// How a knob is followed from a sample on.
     pub fn follow(&self, from: usize) -> Follow {
-        let begins = self.begins.iter().find(|(at, _)| *at == from).map_or([0.0; 2], |(_, begins)| *begins);
+        let begins =
+            self.begins.iter().find(|(at, _)| *at == from).map_or(Begins::default(), |(_, begins)| *begins);
         Follow { substeps: self.substeps, begins }
     }
 

@@ -260,8 +260,8 @@ impl PyModel {
         Some(PySignals { prepared: Prepared { signals, ..all.clone() } })
     }
 
-    /// Signals whose knob behind a joint begins where their first torques say, where `rms` is left of them, N m; None where
-    /// they say nothing new.
+    /// Signals whose knob begins as their first torques say, where `rms` is left of them, N m; None where they say nothing
+    /// new.
     fn begun(&self, py: Python<'_>, signals: &PySignals, rms: f64) -> PyResult<Option<PySignals>> {
         let all = &signals.prepared;
         let found = watched(py, &self.0, || begun(&all.signals, &self.0, rms))?;

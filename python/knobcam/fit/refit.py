@@ -127,11 +127,11 @@ def on(fit: Fit, prepared: Iterable[Prepared]) -> Fit:
 
 
 def begun(fit: Fit) -> Fit:
-    """Return a fit behind a joint whose knob begins where the first torques say, which no log does.
+    """Return a fit whose knob begins as the first torques say: behind a joint, and how far its friction has built up.
 
-    The same where they say that it goes along with the shaft, and without a joint.
+    The same where they say nothing new, and where nothing of the model depends on it.
     """
-    for _ in range(_BEGINNINGS if fit.model.joint else 0):
+    for _ in range(_BEGINNINGS):
         found = [fit.core.model.begun(one.core, max(fit.rmse, fit.noise_floor)) for one in fit.prepared]
         if not any(found):
             break

@@ -14,19 +14,30 @@ use crate::scalar::Scalar;
 /// The motion of the shaft at one instant: t, theta, omega, alpha.
 pub type Instant = [f64; 4];
 
-/// How a hidden knob is followed.
+/// What no log says of the instant at which it begins.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Begins {
+    /// By how much the shaft is ahead of a hidden knob, rad.
+    pub ahead: f64,
+    /// By how much it is faster, rad/s.
+    pub faster: f64,
+    /// How far friction that builds up has done so: 1 forward, -1 backward, 0 not at all.
+    pub bent: f64,
+}
+
+/// How a knob is followed.
 #[derive(Debug, Clone, Copy)]
 pub struct Follow {
     /// Steps from one sample to the next.
     pub substeps: usize,
-    /// By how much the shaft is ahead of it at the first, rad, and how fast, rad/s.
-    pub begins: [f64; 2],
+    /// From where.
+    pub begins: Begins,
 }
 
 impl Follow {
-    /// One that begins with the shaft.
+    /// One that begins with the shaft, and has not moved before.
     pub fn of(substeps: usize) -> Self {
-        Self { substeps, begins: [0.0; 2] }
+        Self { substeps, begins: Begins::default() }
     }
 }
 
@@ -68,7 +79,7 @@ impl<T: Carried> Hidden<T> {
     /// no steps between them to be stable, they resolve when contact begins and ends.
     pub fn new(model: &Model, p: &[T], start: Instant, dt: f64, follow: Follow) -> Option<Self> {
         let joint = model.joint(p)?;
-        let Follow { substeps, begins: [ahead, faster] } = follow;
+        let Follow { substeps, begins: Begins { ahead, faster, .. } } = follow;
         let knob = Body::at(T::of(start[1] - ahead), T::of(start[2] - faster));
         let stored = model.inertia().and_then(|at| p.get(at).copied()).unwrap_or(T::of(0.0));
         let shafts = (T::of(1.0) - joint.share) * stored;

@@ -22,7 +22,7 @@ mod pushed;
 
 #[cfg(feature = "std")]
 pub use along::{Block, along, go_together, knob, loads, sensors, several};
-pub use hidden::{Beside, Follow, Hidden, Instant};
+pub use hidden::{Begins, Beside, Follow, Hidden, Instant};
 #[cfg(feature = "std")]
 pub use pushed::{Drive, Driven, Hand, Pushed, push, steps};
 pub use stepper::{Acts, Body};

@@ -1,12 +1,14 @@
-//! Where a hidden knob is when a capture begins.
+//! How a knob is when a capture begins.
 //!
 //! No log says how far a joint is wound up when it begins, nor how fast: a soft one that turned already rings for tenths of a
 //! second if it is followed from nothing. Two numbers for each passage, told by its first torques: least squares from a
-//! knob that goes along with the shaft, wound up by what loads it, or from where it stood.
+//! knob that goes along with the shaft, wound up by what loads it, or from where it stood. Nor does a log say which way
+//! the knob went before: friction that builds up may have done so already, one way or the other.
 
 use super::hidden::loads;
 use super::moments::Moments;
 use super::solve::least_squares;
+use crate::chain::Begins;
 use crate::effects::Joint;
 use crate::model::Model;
 use crate::predict::{self, Columns, Seeds};
@@ -20,32 +22,50 @@ const LOOKED_AT_S: f64 = 0.5;
 const STEPS: usize = 6;
 const HALVES: usize = 4;
 
-/// A capture whose knob begins where its first torques say, by a model that leaves `rms`, N m; None where
-/// they do not say better than it has it already, and without a joint.
+/// A capture whose knob begins as its first torques say, by a model that leaves `rms`, N m; None where they do not say
+/// better than it has it already, and of a model of which nothing depends on it.
 pub fn begun(signals: &Signals, model: &Model, rms: f64) -> Option<Signals> {
     let values = model.values();
     let p = model.of_run(&signals.run, &values);
-    let joint = model.joint(&p).filter(|_| rms > 0.0)?;
     let inertia = model.inertia().map_or(0.0, |at| p[at]);
-    let rings = (joint.stiffness / (joint.share * inertia)).sqrt();
-    // What is left winds it up by so much.
-    let units = [rms / joint.stiffness, rms / joint.stiffness * rings];
-    if !units.iter().all(|unit| unit.is_finite() && *unit > 0.0) {
+    let wound = model.joint(&p).and_then(|joint| Some((joint, units(&joint, inertia, rms)?)));
+    let builds_up = model.builds_up_over().is_some();
+    if rms.is_nan() || rms <= 0.0 || wound.is_none() && !builds_up {
         return None;
     }
+    // Each number has to pay, of what is left and passes the filter.
+    let price = rule().price * rms.powi(2) * 0.5 * signals.rate_hz / signals.passes_hz();
     let mut found = signals.clone();
     for passage in signals.passages() {
         let mut first = First::of(&mut found, model, passage.clone());
         let own = first.signals.follow(passage.start).begins;
-        let along = first.along(&joint, (1.0 - joint.share) * inertia);
-        let [from_own, from_along] = [own, along].map(|start| first.descended(start, units));
-        let (begins, squares) = if from_along.1 < from_own.1 { from_along } else { from_own };
-        // Two numbers have to pay, of what is left and passes the filter.
-        let independent = 2.0 * signals.passes_hz() / signals.rate_hz;
-        let gain = (first.squares(own) - squares) / rms.powi(2) * independent;
-        first.begin(if gain > 2.0 * rule().price { begins } else { own });
+        let mut best = (own, first.squares(own));
+        if builds_up {
+            for bent in [-1.0, 0.0, 1.0] {
+                let begins = Begins { bent, ..best.0 };
+                best = better(best, (begins, first.squares(begins)), price);
+            }
+        }
+        if let Some((joint, units)) = wound {
+            let along = first.along(&joint, (1.0 - joint.share) * inertia, best.0.bent);
+            let [from_own, from_along] = [best.0, along].map(|start| first.descended(start, units));
+            best = better(best, if from_along.1 < from_own.1 { from_along } else { from_own }, 2.0 * price);
+        }
+        first.begin(best.0);
     }
     (found.begins != signals.begins).then_some(found)
+}
+
+/// The second where it leaves less by more than so much.
+fn better(one: (Begins, f64), other: (Begins, f64), price: f64) -> (Begins, f64) {
+    if one.1 - other.1 > price { other } else { one }
+}
+
+/// By how much and how fast what is left winds a joint up; None where that is no number.
+fn units(joint: &Joint<f64>, inertia: f64, rms: f64) -> Option<[f64; 2]> {
+    let rings = (joint.stiffness / (joint.share * inertia)).sqrt();
+    let units = [rms / joint.stiffness, rms / joint.stiffness * rings];
+    units.iter().all(|unit| unit.is_finite() && *unit > 0.0).then_some(units)
 }
 
 /// The first rows of a passage, and what a model leaves of them.
@@ -67,18 +87,18 @@ impl<'a> First<'a> {
         Self { signals, model, chunk, columns: Columns::default() }
     }
 
-    /// Lets the knob begin so far behind the shaft.
-    fn begin(&mut self, begins: [f64; 2]) {
+    /// Lets the knob begin so.
+    fn begin(&mut self, begins: Begins) {
         let start = self.chunk.whole.start;
         self.signals.begins.retain(|(at, _)| *at != start);
-        if begins != [0.0; 2] {
+        if begins != Begins::default() {
             self.signals.begins.push((start, begins));
             self.signals.begins.sort_by_key(|(at, _)| *at);
         }
     }
 
     /// What is left of the rows that count, with a knob that begins so.
-    fn left(&mut self, begins: [f64; 2]) -> Vec<f64> {
+    fn left(&mut self, begins: Begins) -> Vec<f64> {
         self.begin(begins);
         let seeds = Seeds::none(self.model);
         let (signals, chunk) = (&*self.signals, &self.chunk);
@@ -91,31 +111,31 @@ impl<'a> First<'a> {
         chunk.core.clone().map(left).collect()
     }
 
-    fn squares(&mut self, begins: [f64; 2]) -> f64 {
+    fn squares(&mut self, begins: Begins) -> f64 {
         self.left(begins).iter().map(|left| left * left).sum()
     }
 
     /// A knob that goes along with the shaft: what it asks for winds the joint up.
-    fn along(&self, joint: &Joint<f64>, shafts: f64) -> [f64; 2] {
+    fn along(&self, joint: &Joint<f64>, shafts: f64, bent: f64) -> Begins {
         let (signals, start) = (&*self.signals, self.chunk.whole.start);
         let rigid = loads(self.model);
         let mut columns = Columns::default();
         let (rows, seeds) = (start..start + 1, Seeds::none(&rigid));
         predict::raw(&rigid, &rigid.values(), &seeds, signals, rows, &mut columns);
         let torque = columns.split().0[0] - shafts * signals.alpha[start];
-        [torque / joint.stiffness + 0.5 * joint.gap * torque.signum(), 0.0]
+        let ahead = torque / joint.stiffness + 0.5 * joint.gap * torque.signum();
+        Begins { ahead, faster: 0.0, bent }
     }
 
     /// Where least squares lead from there, and what they are.
-    fn descended(&mut self, start: [f64; 2], units: [f64; 2]) -> ([f64; 2], f64) {
+    fn descended(&mut self, start: Begins, units: [f64; 2]) -> (Begins, f64) {
         let mut here = start;
         let mut left = self.left(here);
         let sum = |left: &[f64]| left.iter().map(|left| left * left).sum::<f64>();
         for _ in 0..STEPS {
             let slopes = [0, 1].map(|which| {
-                let mut there = here;
-                there[which] += units[which];
-                let then = self.left(there);
+                let by = [0, 1].map(|one| if one == which { units[which] } else { 0.0 });
+                let then = self.left(further(here, by));
                 left.iter().zip(then).map(|(left, then)| left - then).collect::<Vec<f64>>()
             });
             let mut moments = Moments::empty(2);
@@ -123,7 +143,7 @@ impl<'a> First<'a> {
             let Some(step) = least_squares(&moments, &[0, 1]) else { break };
             let tried = (0..HALVES).find_map(|halves| {
                 let share = 0.5_f64.powi(halves as i32);
-                let there = [0, 1].map(|which| here[which] + share * step[which] * units[which]);
+                let there = further(here, [0, 1].map(|which| share * step[which] * units[which]));
                 let then = self.left(there);
                 (sum(&then) < sum(&left)).then_some((there, then))
             });
@@ -136,6 +156,10 @@ impl<'a> First<'a> {
         }
         (here, sum(&left))
     }
+}
+
+fn further(from: Begins, [ahead, faster]: [f64; 2]) -> Begins {
+    Begins { ahead: from.ahead + ahead, faster: from.faster + faster, ..from }
 }
 
 #[cfg(test)]
@@ -162,7 +186,8 @@ mod tests {
             let (sin, cos) = (5.0 * swing.t[at]).sin_cos();
             (swing.theta[at], swing.omega[at], swing.alpha[at]) = (sin, 5.0 * cos, -25.0 * sin);
         }
-        swing.begins = vec![(0, begins)];
+        let [ahead, faster] = begins;
+        swing.begins = vec![(0, Begins { ahead, faster, bent: 0.0 })];
         swing.tau = predict::torque(&model, &swing);
         swing.begins.clear();
         (swing, model)
@@ -173,7 +198,7 @@ mod tests {
         for begins in [[1e-3, 0.0], [-4e-4, 0.3], [2e-3, -0.1]] {
             let (swing, model) = swung(Id::Compliance, begins);
             let found = begun(&swing, &model, 1e-4).unwrap();
-            let [(0, [ahead, faster])] = found.begins[..] else { panic!("{:?}", found.begins) };
+            let [(0, Begins { ahead, faster, .. })] = found.begins[..] else { panic!("{:?}", found.begins) };
             assert!(
                 (ahead - begins[0]).abs() < 1e-7 && (faster - begins[1]).abs() < 1e-4,
                 "{ahead} {faster}"
@@ -202,5 +227,32 @@ mod tests {
         let (swing, model) = swung(Id::Compliance, [1e-6, 0.0]);
         assert!(begun(&swing, &model, 1e-3).is_none());
         assert!(begun(&swing, &loads(&model), 1e-4).is_none());
+    }
+
+    #[test]
+    fn which_way_friction_has_built_up_is_told_by_the_first_torques_and_else_nothing_is_said() {
+        let cases = [-1.0, 0.0, 1.0].into_iter().flat_map(|bent| [(bent, false), (bent, true)]);
+        for (bent, behind) in cases {
+            let (mut swing, joined) = swung(Id::Compliance, [0.0; 2]);
+            let bare = if behind { joined } else { loads(&joined) };
+            let mut model = bare.with(Id::Presliding).unwrap();
+            for (name, value) in [("s", 0.2), ("w1", 0.5), ("w2", 0.4)] {
+                model.set(&format!("presliding.{name}"), value).unwrap();
+            }
+            swing.begins = vec![(0, Begins { bent, ..Begins::default() })];
+            swing.tau = predict::torque(&model, &swing);
+            swing.begins.clear();
+            let found = begun(&swing, &model, 1e-3);
+            let told = found.as_ref().map(|found| found.begins[0].1.bent);
+            assert_eq!(told, Some(bent).filter(|bent| *bent != 0.0));
+            // It is over once the knob has turned as far.
+            if let Some(found) = found {
+                let torques = [&swing, &found].map(|signals| predict::torque(&model, signals));
+                let apart = |at: usize| (torques[0][at] - torques[1][at]).abs();
+                let most = |rows: std::ops::Range<usize>| rows.map(apart).fold(0.0, f64::max);
+                let (first, last) = (most(0..100), most(2 * swing.len() / 3..swing.len()));
+                assert!(first > 1e-2 && last < 1e-6, "{first} {last}");
+            }
+        }
     }
 }

@@ -293,6 +293,15 @@ impl Model {
         self.effects().map(|id| id.law().states()).sum()
     }
 
+    /// What its effects remember of a motion before the first that they see, by which friction that builds up is `bent`.
+    pub fn begins(&self, bent: f64) -> Vec<f64> {
+        let mut state = vec![0.0; self.states()];
+        for (law, _, states) in &self.loads {
+            law.bend(&mut state[states.clone()], bent);
+        }
+        state
+    }
+
     /// Whether no effect shapes the friction of others: loads then simply add up.
     pub fn is_plain(&self) -> bool {
         self.plain

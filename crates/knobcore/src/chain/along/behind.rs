@@ -20,7 +20,7 @@ pub(super) fn loads(
 ) {
     knobs(model, p, columns, follow, over);
     if !model.shafts().is_empty() {
-        shafts(model, p, columns, over);
+        shafts(model, p, columns, follow.begins.bent, over);
     }
 }
 
@@ -46,20 +46,21 @@ pub(super) fn side_by_side(
     isa::dispatch_wide(Simulation { of: &behind, p: &p, beside: |_| None, out });
     if !model.shafts().is_empty() {
         for (p, torque) in sets.iter().zip(torques) {
-            shafts(model, p, &columns, &mut Response { motion, dt, torque, slopes: &mut [] });
+            let over = &mut Response { motion, dt, torque, slopes: &mut [] };
+            shafts(model, p, &columns, follow.begins.bent, over);
         }
     }
 }
 
 /// Adds what loads the shaft itself: what a rigid knob would ask for with it, less what it would without. Friction
 /// there is that of the model, as far as the effects at the shaft change it.
-fn shafts(model: &Model, p: &[f64], columns: &[Option<usize>], over: &mut Response<'_>) {
+fn shafts(model: &Model, p: &[f64], columns: &[Option<usize>], bent: f64, over: &mut Response<'_>) {
     for (sign, parts) in [1.0, -1.0].into_iter().zip(model.sides(p, columns)) {
         let mut torque = vec![0.0; over.torque.len()];
         let mut slopes = vec![torque.clone(); over.slopes.len()];
         let side =
             &mut Response { motion: over.motion, dt: over.dt, torque: &mut torque, slopes: &mut slopes };
-        rigid::loads(&parts, side);
+        rigid::loads(&parts, bent, side);
         over.torque.iter_mut().zip(&torque).for_each(|(sum, tau)| *sum += sign * tau);
         for (sum, slope) in over.slopes.iter_mut().zip(&slopes) {
             sum.iter_mut().zip(slope).for_each(|(sum, slope)| *sum += sign * slope);
@@ -102,7 +103,7 @@ fn knobs(model: &Model, p: &[f64], columns: &[Option<usize>], follow: Follow, ov
 /// The motion of the hidden knob along a shaft's: angle, speed and acceleration at each sample. Functions of a user's
 /// own are left out of it. None without a joint.
 pub fn knob(model: &Model, p: &[f64], motion: [&[f64]; 5], dt: f64, follow: Follow) -> Option<[Vec<f64>; 3]> {
-    let mut state = vec![0.0; model.states()];
+    let mut state = model.begins(follow.begins.bent);
     let [t, theta, omega, alpha, _] = motion;
     let instant = |at: usize| [t[at], theta[at], omega[at], alpha[at]];
     if t.is_empty() {
@@ -202,7 +203,7 @@ impl<T: Carried, B: Fn(usize) -> Option<Beside<T>>, F: FnMut(usize, T)> pulp::Nu
         let Self { of: Behind { model, motion, dt, follow, .. }, p, beside, mut out } = self;
         let [t, theta, omega, alpha, _] = *motion;
         let instant = |at: usize| [t, theta, omega, alpha].map(|column| column[at]);
-        let mut state = vec![T::of(0.0); model.states()];
+        let mut state: Vec<T> = model.begins(follow.begins.bent).into_iter().map(T::of).collect();
         if t.is_empty() {
             return;
         }

@@ -19,7 +19,7 @@ pub fn loads(model: &Model, p: &[f64], columns: &[Option<usize>], follow: Follow
     if model.is_coupled() {
         behind::loads(model, p, columns, follow, over);
     } else {
-        rigid::loads(&model.parts(p, columns), over);
+        rigid::loads(&model.parts(p, columns), follow.begins.bent, over);
     }
 }
 

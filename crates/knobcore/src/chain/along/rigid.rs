@@ -14,12 +14,17 @@ thread_local! {
     static SCRATCH: Cell<Option<Box<Scratch>>> = const { Cell::new(None) };
 }
 
-/// Torque and derivatives of loads on the moving knob; what the columns held is replaced.
-pub(super) fn loads(parts: &[Part<'_>], over: &mut Response<'_>) {
+/// Torque and derivatives of loads on the moving knob, whose friction that builds up begins `bent` so far; what the columns
+/// held is replaced.
+pub(super) fn loads(parts: &[Part<'_>], bent: f64, over: &mut Response<'_>) {
     let plain = !parts.iter().any(|(id, ..)| id.info().shapes_friction);
     let samples = over.torque.len();
-    let mut kept: Vec<Vec<f64>> =
-        parts.iter().map(|(id, p, columns)| id.law().kept(p, columns, over.motion)).collect();
+    let kept = |(id, p, columns): &Part<'_>| {
+        let mut kept = id.law().kept(p, columns, over.motion);
+        id.law().bend(&mut kept, bent);
+        kept
+    };
+    let mut kept: Vec<Vec<f64>> = parts.iter().map(kept).collect();
     let mut scratch = SCRATCH.take().filter(|_| plain).unwrap_or_default();
     let Scratch { channels, spent, end } = &mut *scratch;
     for start in (0..samples).step_by(BLOCK) {
