@@ -12,15 +12,16 @@ use crate::order::Ascending;
 use crate::rule::rule;
 use crate::signals::Signals;
 
-/// Starts that are looked at by a few steps, and those of them that are followed.
+/// Starts that are looked at by a few steps, and those of them that are followed; as many again where these do not explain
+/// what is left: what else is missing bends the joint, and the first step with it.
 const LOOKED: usize = 6;
 const FOLLOWED: usize = 3;
+const ROUNDS: usize = 2;
 
 /// Effects beside a screen's model that has a coupling, fitted where they may be what is missing: as loads of the knob, or
 /// of the shaft. `left` is what noise leaves of the sum of squares.
 pub fn beside(screen: &Screen<'_>, effects: &[Id], left: f64) -> Vec<Ways> {
-    let (data, watch) = (screen.data, screen.watch);
-    let mut started = watch.each(effects, |id| {
+    let mut started = screen.watch.each(effects, |id| {
         let starts = screen.starts(*id);
         let before = screen.at_shaft(*id, &starts);
         (*id, starts, before)
@@ -40,40 +41,71 @@ pub fn beside(screen: &Screen<'_>, effects: &[Id], left: f64) -> Vec<Ways> {
     let worth = screen.squares > rule().converged.powi(2) * left || left.is_nan();
     // Who asks for one alone wants it followed, however little it explains.
     first.retain(|(_, start)| worth && promise(start) >= least || effects.len() == 1);
-    first.truncate(LOOKED);
-    let [coarse, middle] = [COARSE_HZ, MIDDLE_HZ].map(|edge| slowed(data, edge));
-    let [coarse, middle]: [Vec<&Signals>; 2] = [&coarse, &middle].map(|view| view.iter().collect());
-    let floor = floor(data, COARSE_HZ, &coarse, screen.model);
-    // A wave may be too fast for a slower filter.
-    let direct = |of: usize| started[of].0.info().scan.is_some() || coarse.len() < data.len();
-    let without = squares(&coarse, screen.model);
-    let (fast, slow): (Vec<usize>, Vec<usize>) = (0..first.len()).partition(|at| direct(first[*at].0));
-    let followed = |model: &Model| on(model, |model| glance(data, model));
-    // What the slow filter shows is seen first: where one leaves much less of it than another, that one is none.
-    let close = |ends: Ends| {
-        let most = at_most(&ends, without, floor).max(enough(&coarse, floor));
-        rivals(most, ends).0
-    };
-    let began = watch.each(&slow, |at| (*at, on(&first[*at].1.model, |model| sketch(&coarse, model))));
-    let strode = |(at, end): &(usize, _)| (*at, strode(&coarse, Clone::clone(end), floor, without, watch));
-    let went = close(watch.each(&close(began), strode));
-    let mut looked: Ends = watch.each(&went, |(at, (model, _))| {
-        let ((of, start), end) = (first[*at], followed(&on(model, |model| glance(&middle, model)).0));
-        // The joint is where the finest filter has it: a slower one may lead it away, and no way back.
-        let lost = end.1.cost >= screen.squares;
-        let again = lost.then(|| followed(&start.model)).filter(|(_, again)| again.cost < end.1.cost);
-        (of, again.unwrap_or(end))
-    });
-    looked.extend(watch.each(&fast, |at| (first[*at].0, followed(&first[*at].1.model))));
-    looked.sort_by_cached_key(cost);
-    looked.truncate(FOLLOWED);
-    let left = if left.is_finite() { left } else { 0.0 };
-    let best = looked.first().map_or(0.0, |(_, (_, found))| found.cost - left);
-    let rival = rule().rival_coarse * best.max(0.0) + rule().close_coarse * (screen.squares - left);
-    looked.retain(|(_, (_, found))| found.cost - left <= rival);
-    let ends = watch.each(&looked, |(of, (model, _))| (*of, on(model, |model| sketch(data, model))));
+    let (view, left) = (View::of(screen), if left.is_finite() { left } else { 0.0 });
+    let mut ends: Ends = Vec::new();
+    for few in first.chunks(LOOKED).take(ROUNDS) {
+        let few: Vec<Tried<'_>> = few.iter().map(|(of, start)| (*of, started[*of].0, *start)).collect();
+        ends.extend(view.followed(&few, left));
+        if ends.iter().any(|(_, (_, found))| found.cost <= rule().explained * left) {
+            break;
+        }
+    }
     let mut ways: Vec<Ways> =
         started.into_iter().map(|(id, starts, _)| Ways { id, starts, end: None }).collect();
     led(&mut ways, ends);
     ways
+}
+
+/// A start, of which effect it is, and which place that has.
+type Tried<'a> = (usize, Id, &'a Start);
+
+/// The captures through slower filters.
+struct View<'a> {
+    screen: &'a Screen<'a>,
+    coarse: Vec<Signals>,
+    middle: Vec<Signals>,
+}
+
+impl<'a> View<'a> {
+    fn of(screen: &'a Screen<'a>) -> Self {
+        let [coarse, middle] = [COARSE_HZ, MIDDLE_HZ].map(|edge| slowed(screen.data, edge));
+        Self { screen, coarse, middle }
+    }
+
+    /// Where those of a few starts lead to that a slow filter, and then a finer one, shows no reason against.
+    fn followed(&self, few: &[Tried<'_>], left: f64) -> Ends {
+        let (data, watch) = (self.screen.data, self.screen.watch);
+        let [coarse, middle]: [Vec<&Signals>; 2] =
+            [&self.coarse, &self.middle].map(|view| view.iter().collect());
+        let floor = floor(data, COARSE_HZ, &coarse, self.screen.model);
+        // A wave may be too fast for a slower filter.
+        let direct = |at: usize| few[at].1.info().scan.is_some() || coarse.len() < data.len();
+        let without = squares(&coarse, self.screen.model);
+        let (fast, slow): (Vec<usize>, Vec<usize>) = (0..few.len()).partition(|at| direct(*at));
+        let followed = |model: &Model| on(model, |model| glance(data, model));
+        // What the slow filter shows is seen first: where one leaves much less of it than another, that one is none.
+        let close = |ends: Ends| {
+            let most = at_most(&ends, without, floor).max(enough(&coarse, floor));
+            rivals(most, ends).0
+        };
+        let began = watch.each(&slow, |at| (*at, on(&few[*at].2.model, |model| sketch(&coarse, model))));
+        let strode =
+            |(at, end): &(usize, _)| (*at, strode(&coarse, Clone::clone(end), floor, without, watch));
+        let went = close(watch.each(&close(began), strode));
+        let mut looked: Ends = watch.each(&went, |(at, (model, _))| {
+            let (of, _, start) = few[*at];
+            let end = followed(&on(model, |model| glance(&middle, model)).0);
+            // The joint is where the finest filter has it: a slower one may lead it away, and no way back.
+            let lost = end.1.cost >= self.screen.squares;
+            let again = lost.then(|| followed(&start.model)).filter(|(_, again)| again.cost < end.1.cost);
+            (of, again.unwrap_or(end))
+        });
+        looked.extend(watch.each(&fast, |at| (few[*at].0, followed(&few[*at].2.model))));
+        looked.sort_by_cached_key(cost);
+        looked.truncate(FOLLOWED);
+        let best = looked.first().map_or(0.0, |(_, (_, found))| found.cost - left);
+        let rival = rule().rival_coarse * best.max(0.0) + rule().close_coarse * (self.screen.squares - left);
+        looked.retain(|(_, (_, found))| found.cost - left <= rival);
+        watch.each(&looked, |(of, (model, _))| (*of, on(model, |model| sketch(data, model))))
+    }
 }
