@@ -257,6 +257,7 @@ def test_a_parameter_that_there_is_none_of_is_said_before_anything_is_learned(
         (("--sharpen", "stribeck.v"), "", "is no parameter of stribeck; it has stribeck.rise, stribeck.vs"),
         (("--sharpen", "stribeck.vs"), "", "sharpen='stribeck.vs': is no parameter that was fitted"),
         ((), "torque = 1.0", "is no limit"),
+        ((), "[parameters]", "parameters: is a table of what a batch judges parts by, and no limit"),
         ((), "torque_Nm = nan", "give a number above 0"),
         ((), 'schema = "knobcam.motion/1"\nstart = 0.0', "itself knobcam.motion/1, which is no file"),
         ((), "duration_s = 600.0\nsample_rate_hz = 1e6", "600 s at 1e+06 Hz are 6e+08 samples"),

@@ -104,7 +104,8 @@ class Limits:
         numbers: dict[str, Any] = {}
         for name, value in given.items():
             if name not in _NUMBERS:
-                raise InputError(f"{where}{name}: is no limit; known are {', '.join(_NUMBERS)}")
+                of_parts = "a table of what a batch judges parts by, and " if isinstance(value, dict) else ""
+                raise InputError(f"{where}{name}: is {of_parts}no limit; known are {', '.join(_NUMBERS)}")
             if isinstance(value, bool) or not isinstance(value, int | float):
                 raise InputError(f"{where}{name}: is {value!r}; give a number")
             numbers[name] = float(value)

@@ -70,8 +70,10 @@ fn read_file(text: &str) -> Result<Table> {
     match file.get("schema").and_then(Value::as_str) {
         Some(SCHEMA) => {}
         Some(other) => {
-            let why = format!("is '{other}', and this version reads '{SCHEMA}'; update knobcam");
-            return Err(bad("schema", &why));
+            let kind = SCHEMA.split('/').next().unwrap_or(SCHEMA);
+            let newer = other.split('/').next() == Some(kind);
+            let way_out = if newer { "update knobcam" } else { "name a model file" };
+            return Err(bad("schema", &format!("is '{other}', and this version reads '{SCHEMA}'; {way_out}")));
         }
         None => {
             let why = format!("is missing, so this is no model file; write schema = \"{SCHEMA}\" on top");
