@@ -73,7 +73,10 @@ fn read_file(text: &str) -> Result<Table> {
             let kind = SCHEMA.split('/').next().unwrap_or(SCHEMA);
             let newer = other.split('/').next() == Some(kind);
             let way_out = if newer { "update knobcam" } else { "name a model file" };
-            return Err(bad("schema", &format!("is '{other}', and this version reads '{SCHEMA}'; {way_out}")));
+            return Err(bad(
+                "schema",
+                &format!("is '{other}', and this version reads '{SCHEMA}'; {way_out}"),
+            ));
         }
         None => {
             let why = format!("is missing, so this is no model file; write schema = \"{SCHEMA}\" on top");
