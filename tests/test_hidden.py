@@ -26,6 +26,7 @@ EVERY = 4
         "single/friction_drift:90001",
         "single/torque_lag:90001",
         "several/effects:90002",
+        "several/effects:487009",
         "strange/mains_hum:90001",
         "strange/vibration:90001",
         "lag/sample:90001",

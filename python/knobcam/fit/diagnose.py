@@ -344,7 +344,7 @@ def worth_adding(
 
 
 def _begun(candidate: Candidate) -> Candidate:
-    """Return a candidate whose knob begins as the first torques say; beside a joint that was found as it is."""
+    """Return a candidate whose knob begins as the first torques say; beside a joint as it was."""
     before, fit = candidate.fit.before, candidate.fit
     if before is None or before.model.joint is not None or (better := begun(fit)) is fit:
         return candidate

@@ -127,7 +127,7 @@ def on(fit: Fit, prepared: Iterable[Prepared]) -> Fit:
 
 
 def begun(fit: Fit) -> Fit:
-    """Return a fit whose knob begins as the first torques say: behind a joint, and how far its friction has built up.
+    """Return a fit whose knob begins as the first torques say: behind its joint, and which way bent.
 
     The same where they say nothing new, and where nothing of the model depends on it.
     """

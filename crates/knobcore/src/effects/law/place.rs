@@ -65,6 +65,10 @@ impl<E: MemoryEffect<N, S, M> + Sync, const N: usize, const S: usize, const M: u
         true
     }
 
+    fn bend(&self, state: &mut [f64], bent: f64) {
+        state.iter_mut().skip(BEFORE).take(M).for_each(|z| *z = bent);
+    }
+
     fn load(&self, p: &[f64], state: &mut [f64], motion: &Motion<f64>, sum: &mut Load<f64>) {
         recall::<_, N, S, M, E>(p, state, motion, sum);
     }

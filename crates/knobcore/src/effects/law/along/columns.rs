@@ -76,10 +76,6 @@ impl<E: MemoryEffect<N, S, M> + Sync, const N: usize, const S: usize, const M: u
         memory::kept(if columns.iter().any(Option::is_some) { S } else { 0 })
     }
 
-    fn bend(&self, kept: &mut [f64], bent: f64) {
-        memory::bend(kept, M, bent);
-    }
-
     fn load_carried(&self, p: &[D], state: &mut [D], motion: &Motion<D>, sum: &mut Load<D>) {
         isa::dispatch(Recalled::<_, E, N, S, M>(p, state, motion, sum, PhantomData));
     }

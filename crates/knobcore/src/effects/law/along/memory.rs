@@ -16,13 +16,9 @@ const fn row(derivatives: usize) -> usize {
 }
 
 /// What is kept from block to block with so many derivatives: [`BEFORE`], the last row of the trace, and that of a block.
+/// It begins as a state does.
 pub(super) fn kept(derivatives: usize) -> Vec<f64> {
     vec![0.0; BEFORE + row(derivatives) * (1 + BLOCK)]
-}
-
-/// Lets all elements begin with this; of a state, or of what is kept from block to block.
-pub(super) fn bend(kept: &mut [f64], elements: usize, bent: f64) {
-    kept.iter_mut().skip(BEFORE).take(elements).for_each(|z| *z = bent);
 }
 
 /// Whether derivatives are kept.

@@ -37,9 +37,6 @@ pub trait Along {
         Vec::new()
     }
 
-    /// Lets what it remembers in a state, or in what is kept, begin so far: 1 after a motion forward, -1 after one backward.
-    fn bend(&self, _kept: &mut [f64], _bent: f64) {}
-
     /// The same with derivatives.
     fn load_carried(&self, _p: &[D], _state: &mut [D], _motion: &Motion<D>, _sum: &mut Load<D>) {}
 
