@@ -152,9 +152,8 @@ impl Signals {
 
     /// How a knob is followed from a sample on.
     pub fn follow(&self, from: usize) -> Follow {
-        let begins =
-            self.begins.iter().find(|(at, _)| *at == from).map_or(Begins::default(), |(_, begins)| *begins);
-        Follow { substeps: self.substeps, begins }
+        let begins = self.begins.iter().find(|(at, _)| *at == from).map(|(_, begins)| *begins);
+        Follow { substeps: self.substeps, begins: begins.unwrap_or_default() }
     }
 
     /// The motion at sample `at`; past the end, rest.

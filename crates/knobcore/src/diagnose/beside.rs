@@ -59,17 +59,23 @@ pub fn beside(screen: &Screen<'_>, effects: &[Id], left: f64) -> Vec<Ways> {
 /// A start, of which effect it is, and which place that has.
 type Tried<'a> = (usize, Id, &'a Start);
 
-/// The captures through slower filters.
+/// The captures through slower filters, and what noise and the screen's model leave of the sum of squares in the coarse
+/// one.
 struct View<'a> {
     screen: &'a Screen<'a>,
     coarse: Vec<Signals>,
     middle: Vec<Signals>,
+    floor: f64,
+    without: f64,
 }
 
 impl<'a> View<'a> {
     fn of(screen: &'a Screen<'a>) -> Self {
         let [coarse, middle] = [COARSE_HZ, MIDDLE_HZ].map(|edge| slowed(screen.data, edge));
-        Self { screen, coarse, middle }
+        let seen: Vec<&Signals> = coarse.iter().collect();
+        let floor = floor(screen.data, COARSE_HZ, &seen, screen.model);
+        let without = squares(&seen, screen.model);
+        Self { screen, coarse, middle, floor, without }
     }
 
     /// Where those of a few starts lead to that a slow filter, and then a finer one, shows no reason against.
@@ -77,10 +83,9 @@ impl<'a> View<'a> {
         let (data, watch) = (self.screen.data, self.screen.watch);
         let [coarse, middle]: [Vec<&Signals>; 2] =
             [&self.coarse, &self.middle].map(|view| view.iter().collect());
-        let floor = floor(data, COARSE_HZ, &coarse, self.screen.model);
+        let (floor, without) = (self.floor, self.without);
         // A wave may be too fast for a slower filter.
         let direct = |at: usize| few[at].1.info().scan.is_some() || coarse.len() < data.len();
-        let without = squares(&coarse, self.screen.model);
         let (fast, slow): (Vec<usize>, Vec<usize>) = (0..few.len()).partition(|at| direct(*at));
         let followed = |model: &Model| on(model, |model| glance(data, model));
         // What the slow filter shows is seen first: where one leaves much less of it than another, that one is none.

@@ -41,7 +41,7 @@ pub fn begun(signals: &Signals, model: &Model, rms: f64) -> Option<Signals> {
         let own = first.signals.follow(passage.start).begins;
         let mut best = (own, first.squares(own));
         if builds_up {
-            for bent in [-1.0, 0.0, 1.0] {
+            for bent in [-1.0, 0.0, 1.0].into_iter().filter(|bent| *bent != own.bent) {
                 let begins = Begins { bent, ..best.0 };
                 best = better(best, (begins, first.squares(begins)), price);
             }

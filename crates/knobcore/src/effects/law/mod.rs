@@ -43,8 +43,8 @@ pub trait Law: Along + Sync {
         false
     }
 
-    /// Lets friction that builds up begin so far in a state, or in what is kept from block to block: 1 after a motion forward, -1
-    /// after one backward.
+    /// Lets friction that builds up begin so far in a state, or in what is kept from block to block: 1 after a motion
+    /// forward, -1 after one backward.
     fn bend(&self, _state: &mut [f64], _bent: f64) {}
 
     /// Over which distance its friction builds up after a reversal, rad or m.
